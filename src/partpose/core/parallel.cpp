@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/core/parallel.hpp"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+
+namespace partpose {
+
+void parallel_ranges(std::size_t count, const std::function<void(std::size_t, std::size_t)>& body,
+                     std::size_t smallest_range) {
+  if (count == 0) return;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, smallest_range),
+                    [&body](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
+}
+
+struct ThreadLimit::Impl {
+  tbb::global_control control;
+};
+
+ThreadLimit::ThreadLimit(int threads) {
+  if (threads > 0)
+    impl_ = std::make_unique<Impl>(
+        Impl{tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads))});
+}
+
+ThreadLimit::~ThreadLimit() = default;
+
+}  // namespace partpose
