@@ -2,9 +2,9 @@
 include(CMakePackageConfigHelpers)
 get_property(rooms GLOBAL PROPERTY PARTPOSE_ROOMS)
 
-install(TARGETS partpose ${rooms} EXPORT partposeTargets
+#install(TARGETS partpose ${rooms} EXPORT partposeTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS partpose_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+#install(TARGETS partpose_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY src/partpose DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         FILES_MATCHING PATTERN "*.hpp" PATTERN "apps" EXCLUDE)
 install(DIRECTORY configs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/partpose/configs FILES_MATCHING PATTERN "*.json")

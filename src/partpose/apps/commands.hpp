@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace partpose::apps {
+
+/// What every command understands.
+struct Common {
+  bool quiet = false;
+  int threads = 0;
+};
+
+// Each adds its subcommands to the app; what they do runs as their callback.
+void add_dataset_commands(CLI::App& app, const Common& common);
+void add_evaluate_command(CLI::App& app, const Common& common);
+void add_recognize_command(CLI::App& app, const Common& common);
+
+}  // namespace partpose::apps

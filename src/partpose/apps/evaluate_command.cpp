@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.hpp"
+#include "terminal.hpp"
+
+#include "partpose/core/error.hpp"
+#include "partpose/evaluation/accuracy.hpp"
+#include "partpose/io/json.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+
+namespace partpose::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct EvaluateArguments {
+  fs::path dataset;
+  fs::path test;
+  fs::path config;
+  double limit_deg = 15;
+  double limit_mm = 15;
+};
+
+void print_row(const std::string& name, const ProtocolSummary& s) {
+  fmt::print("{:<24} {:>6} {:>9.1f} {:>9.1f} {:>9.1f} {:>12.1f} {:>9.1f} {:>9.1f}\n", name, s.frames, s.correct_percent(),
+             s.wrong_percent(), s.none_percent(), s.pose_right_percent(), s.median_ms, s.p95_ms);
+}
+
+void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) {
+  const auto config = arguments.config.empty() ? GlobalPipelineConfig{}
+                                               : read_json<GlobalPipelineConfig>(arguments.config);
+  const auto progress = terminal_progress(common.quiet);
+  const GlobalPipeline pipeline(load_catalogue(open_dataset(arguments.dataset), config, progress), config);
+  const Dataset test = open_dataset(arguments.test);
+  const auto frames = run_protocol(pipeline, test, progress);
+
+  fmt::print("{:<24} {:>6} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "part shown", "frames", "correct %", "wrong %",
+             "none %", "pose right %", "median ms", "p95 ms");
+  for (const auto& model : test.out.models) {
+    std::vector<ProtocolFrame> of_model;
+    for (const auto& frame : frames)
+      if (frame.truth.model_id == model.id) of_model.push_back(frame);
+    print_row(model.name, summarize(of_model, arguments.limit_deg, arguments.limit_mm));
+  }
+  print_row("all", summarize(frames, arguments.limit_deg, arguments.limit_mm));
+  fmt::print("pose right: within {} deg and {} mm of the truth, of all frames, symmetry ignored\n", arguments.limit_deg,
+             arguments.limit_mm);
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app, const Common& common) {
+  auto arguments = std::make_shared<EvaluateArguments>();
+  auto* evaluate = app.add_subcommand("evaluate", "Recognize every view of a test dataset and count how often it is right");
+  evaluate->add_option("-d,--dataset", arguments->dataset, "Dataset folder of the catalogue")->required();
+  evaluate->add_option("-t,--test", arguments->test, "Dataset folder whose views are the scenes")->required();
+  evaluate->add_option("-c,--config", arguments->config, "Pipeline JSON");
+  evaluate->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")->capture_default_str();
+  evaluate->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")->capture_default_str();
+  evaluate->footer("Example (ground-truth protocol):\n"
+                   "  partpose evaluate --dataset dataset/ --test dataset/ --config configs/pipeline_virtual.json");
+  evaluate->callback([arguments, &common] { evaluate_dataset(*arguments, common); });
+}
+
+}  // namespace partpose::apps

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.hpp"
+
+#include "partpose/core/error.hpp"
+#include "partpose/core/parallel.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <exception>
+#include <memory>
+
+namespace {
+
+constexpr int exit_bad_input = 2;
+
+int fail(const std::string& message) {
+  fmt::print(stderr, "partpose: {}\n", message);
+  return exit_bad_input;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace partpose;
+  CLI::App app{"partpose: which CAD part a depth camera sees, and its 6-DoF pose"};
+  apps::Common common;
+  app.set_version_flag("--version", PARTPOSE_VERSION);
+  app.add_flag("-q,--quiet", common.quiet, "No progress, no report beyond the output asked for");
+  app.add_option("--threads", common.threads, "At most so many threads (0: as many as the machine has)")
+      ->check(CLI::NonNegativeNumber);
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.get_formatter()->column_width(36);
+  app.footer(
+      "Examples:\n"
+      "  partpose recognize --models parts/ frame.png          # which part is it, and where\n"
+      "  partpose dataset --models parts/ --output dataset/    # views of all parts, for the commands below\n"
+      "  partpose index --dataset dataset/                     # descriptors of the views\n"
+      "  partpose recognize --dataset dataset/ --config configs/pipeline_capture.json frame.pcd\n"
+      "  partpose evaluate --dataset dataset/ --test dataset/  # how often is it right\n"
+      "Exit codes: 0 done (also when nothing was recognized), 2 bad input or usage.");
+
+  std::unique_ptr<ThreadLimit> limit;
+  app.parse_complete_callback([&] { limit = std::make_unique<ThreadLimit>(common.threads); });
+  apps::add_recognize_command(app, common);
+  apps::add_dataset_commands(app, common);
+  apps::add_evaluate_command(app, common);
+
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    return fail(fmt::format("{} (see partpose --help)", error.what()));
+  } catch (const Error& error) {
+    return fail(error.what());
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory: the input is too large for this machine");
+  } catch (const std::exception& error) {
+    return fail(error.what());
+  }
+}

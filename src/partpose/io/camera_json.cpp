@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/io/camera_json.hpp"
+
+#include "partpose/core/error.hpp"
+#include "partpose/io/json.hpp"
+
+#include <cmath>
+
+namespace partpose {
+
+void CameraFile::check() const {
+  intrinsics.check();
+  if (!(depth_scale_mm > 0) || !std::isfinite(depth_scale_mm))
+    throw Error("depth_scale_mm {}: must be positive", depth_scale_mm);
+}
+
+CameraFile read_camera(const std::filesystem::path& path) { return read_json<CameraFile>(path); }
+
+void write_camera(const std::filesystem::path& path, const CameraFile& camera) { write_json(path, camera); }
+
+std::filesystem::path camera_file_of(const std::filesystem::path& depth_image) {
+  auto own = depth_image;
+  own.replace_extension(".camera.json");
+  const auto shared = depth_image.parent_path() / "camera.json";
+  if (std::filesystem::exists(own)) return own;
+  if (std::filesystem::exists(shared)) return shared;
+  throw Error("{}: no camera found; give it as {} or {}", depth_image.string(), own.string(), shared.string());
+}
+
+}  // namespace partpose

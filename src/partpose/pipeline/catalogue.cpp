@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/pipeline/catalogue.hpp"
+
+#include "partpose/core/error.hpp"
+#include "partpose/core/hash.hpp"
+#include "partpose/core/parallel.hpp"
+#include "partpose/descriptor/global_descriptor.hpp"
+#include "partpose/geometry/voxel_grid.hpp"
+#include "partpose/io/json.hpp"
+#include "partpose/io/pcd.hpp"
+#include "partpose/io/stl.hpp"
+
+#include <mutex>
+
+namespace partpose {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Raised whenever the offline stage computes something else from the same input.
+constexpr int format_version = 1;
+
+/// Which view a row of the descriptor file belongs to, in the rows' order.
+struct DescriptorReference {
+  int model_id = 0;
+  int view_id = 0;
+
+  static constexpr bool all_keys_required = true;
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("model_id", self.model_id, "the part");
+    visit("view_id", self.view_id, "the view");
+  }
+};
+
+/// Where a view's refinement cloud lies in the file of all of them.
+struct ViewReference {
+  int model_id = 0;
+  int view_id = 0;
+  int num_of_points = 0;
+  int refinement_points = 0;
+
+  static constexpr bool all_keys_required = true;
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("model_id", self.model_id, "the part");
+    visit("view_id", self.view_id, "the view");
+    visit("num_of_points", self.num_of_points, "in the dataset");
+    visit("refinement_points", self.refinement_points, "in the file of refinement clouds, after the views before it");
+  }
+};
+
+struct References {
+  std::vector<DescriptorReference> descriptors;
+  std::vector<ViewReference> views;
+
+  static constexpr bool all_keys_required = true;
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("descriptors", self.descriptors, "one for each row of the descriptor file");
+    visit("views", self.views, "one for each view");
+  }
+};
+
+/// All that the stored result depends on; it is used again only when this is the same to the letter.
+Json dependencies(const Dataset& dataset, const GlobalPipelineConfig& config) {
+  const Json full = to_json(config);
+  Json json;
+  json["format_version"] = format_version;
+  json["global_descriptor"] = config.global_descriptor;
+  json["options"] = full[config.global_descriptor];
+  json["options"].erase("k_nn");  // of the search, not of the descriptor
+  json["database"] = full["database"];
+  json["normal_estimation"] = full["normal_estimation"];
+  for (const char* key : {"voxel_grid_flag", "voxel_size"}) json["preprocessing"][key] = full["preprocessing"][key];
+  for (const char* key : {"voxelize_view", "voxel_size"}) json["pose_refinement"][key] = full["pose_refinement"][key];
+  json["dataset_hash"] = content_hash(to_json(dataset.out).dump());
+  return json;
+}
+
+struct Files {
+  fs::path descriptors, config, references, views;
+  Files(const Dataset& dataset, const std::string& name) {
+    const fs::path folder = dataset.folder / "descriptors";
+    descriptors = folder / (name + ".pcd");
+    config = folder / (name + "_config.json");
+    references = folder / (name + "_references.json");
+    views = folder / (name + "_views.pcd");
+  }
+};
+
+/// The offline result before it is joined with the parts.
+struct Stored {
+  References references;
+  std::vector<std::vector<float>> histograms;
+  PointCloud clouds;  ///< the refinement clouds of all views, one behind the other
+};
+
+Stored compute(const Dataset& dataset, const GlobalPipelineConfig& config, const Progress& progress) {
+  const auto descriptor = make_global_descriptor(config.global_descriptor, config.descriptors);
+  const std::size_t view_count = dataset.out.views.size(), count = dataset.out.models.size() * view_count;
+  struct OfView {
+    std::vector<Description> descriptions;
+    PointCloud cloud;
+    int num_of_points = 0;
+  };
+  std::vector<OfView> of_view(count);
+  std::size_t done = 0;
+  std::mutex progress_mutex;
+  parallel_for(count, [&](std::size_t i) {
+    const PointCloud view = read_pcd(
+        dataset.view_path(dataset.out.models[i / view_count].id, dataset.out.views[i % view_count].id));
+    OfView& out = of_view[i];
+    PointCloud prepared = comparable_view(view, config);
+    out.num_of_points = static_cast<int>(view.size());
+    out.descriptions = descriptor->describe(prepared);
+    out.cloud = config.pose_refinement.voxelize_view ? voxel_grid(prepared, config.pose_refinement.voxel_size)
+                                                     : std::move(prepared);
+    const std::lock_guard lock(progress_mutex);
+    ++done;
+    if (progress) progress("describing views", done, count);
+  });
+
+  Stored stored;
+  for (std::size_t i = 0; i < count; ++i) {
+    const int model_id = dataset.out.models[i / view_count].id, view_id = dataset.out.views[i % view_count].id;
+    for (auto& description : of_view[i].descriptions) {
+      stored.histograms.push_back(std::move(description.histogram));
+      stored.references.descriptors.push_back({model_id, view_id});
+    }
+    stored.references.views.push_back(
+        {model_id, view_id, of_view[i].num_of_points, static_cast<int>(of_view[i].cloud.size())});
+    append(stored.clouds, of_view[i].cloud);
+    of_view[i].cloud = {};
+  }
+  if (stored.histograms.empty())
+    throw Error("{}: no view has any points: are the parts in millimetres and smaller than the capture distance?",
+                dataset.folder.string());
+  return stored;
+}
+
+void save(const Stored& stored, const Files& files, const GlobalPipelineConfig& config, const Json& depends_on) {
+  fs::create_directories(files.config.parent_path());
+  fs::remove(files.config);  // it is written last: without it the others do not count
+  write_pcd_histograms(files.descriptors, config.global_descriptor, static_cast<int>(stored.histograms[0].size()),
+                       stored.histograms);
+  write_pcd(files.views, stored.clouds, PcdEncoding::binary_compressed);
+  write_json(files.references, stored.references);
+  write_json_file(files.config, depends_on);
+}
+
+bool is_current(const Files& files, const Json& depends_on) {
+  if (!fs::exists(files.config)) return false;
+  try {
+    return read_json_file(files.config) == depends_on;
+  } catch (const Error&) {
+    return false;  // a damaged file is computed again
+  }
+}
+
+Catalogue join(Dataset dataset, const GlobalPipelineConfig& config, Stored stored) {
+  Catalogue catalogue;
+  std::map<int, int> part_of_id;
+  for (const auto& model : dataset.out.models) {
+    part_of_id[model.id] = static_cast<int>(catalogue.parts.size());
+    catalogue.parts.push_back({model.id, model.name, model.T1, read_stl(dataset.mesh_path(model.id)), {}});
+  }
+  std::map<int, Eigen::Isometry3d> T2_of_id;
+  for (const auto& view : dataset.out.views) T2_of_id[view.id] = view.T2;
+
+  std::map<std::pair<int, int>, int> view_of_ids;
+  std::size_t first = 0;
+  for (const auto& reference : stored.references.views) {
+    CatalogueView view;
+    view.part = part_of_id.at(reference.model_id);
+    view.id = reference.view_id;
+    view.T2 = T2_of_id.at(reference.view_id);
+    view.num_of_points = reference.num_of_points;
+    std::vector<int> indices(reference.refinement_points);
+    std::iota(indices.begin(), indices.end(), static_cast<int>(first));
+    first += indices.size();
+    if (first > stored.clouds.size()) throw Error("{}: the stored views are damaged", dataset.folder.string());
+    view.cloud = select(stored.clouds, indices);
+    if (view.cloud.has_normals()) view.features = alignment_features(view.cloud);
+    view_of_ids[{reference.model_id, reference.view_id}] = static_cast<int>(catalogue.views.size());
+    catalogue.views.push_back(std::move(view));
+  }
+
+  catalogue.index = DescriptorIndex(static_cast<int>(stored.histograms.at(0).size()));
+  for (const auto& histogram : stored.histograms) catalogue.index.add(histogram);
+  for (const auto& reference : stored.references.descriptors)
+    catalogue.view_of_row.push_back(view_of_ids.at({reference.model_id, reference.view_id}));
+
+  const float voxel = config.hypothesis_verification.model_representation_voxel_size;
+  parallel_for(catalogue.parts.size(), [&](std::size_t p) {
+    auto& part = catalogue.parts[p];
+    for (const auto& view : catalogue.views)
+      if (view.part == static_cast<int>(p)) append(part.surface, transformed(view.cloud, (view.T2 * part.T1).inverse()));
+    part.surface = voxel_grid(part.surface, voxel);
+  });
+  catalogue.dataset = std::move(dataset);
+  return catalogue;
+}
+
+}  // namespace
+
+PointCloud comparable_view(const PointCloud& view, const GlobalPipelineConfig& config) {
+  PointCloud cloud = without_missing(view);
+  if (config.database.normals == "mesh") {
+    if (!cloud.empty() && !cloud.has_normals()) throw Error("database.normals is \"mesh\", but the views have no normals");
+    return cloud;
+  }
+  if (config.preprocessing.voxel_grid_flag) cloud = voxel_grid(cloud, config.preprocessing.voxel_size);
+  return with_normals(std::move(cloud), config.normal_estimation);
+}
+
+Catalogue load_catalogue(Dataset dataset, const GlobalPipelineConfig& config, const Progress& progress) {
+  config.check();
+  refresh_dataset(dataset, progress);
+  const Files files(dataset, config.global_descriptor);
+  const Json depends_on = dependencies(dataset, config);
+  if (is_current(files, depends_on)) {
+    try {
+      Stored stored{read_json<References>(files.references),
+                    read_pcd_histograms(files.descriptors, config.global_descriptor), read_pcd(files.views)};
+      if (stored.histograms.size() == stored.references.descriptors.size() && !stored.histograms.empty())
+        return join(dataset, config, std::move(stored));
+    } catch (const std::exception&) {
+      // Damaged since it was written: computed again below.
+    }
+  }
+  Stored stored = compute(dataset, config, progress);
+  save(stored, files, config, depends_on);
+  return join(std::move(dataset), config, std::move(stored));
+}
+
+}  // namespace partpose

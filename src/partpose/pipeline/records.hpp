@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include <string>
+#include <vector>
+
+/// The output files of appendix C.2 of the reference, key by key.
+namespace partpose {
+
+/// C.2.2. Nothing recognized is candidate_id -1, with an empty model_name and the identity.
+struct Result {
+  Eigen::Isometry3d T_final = Eigen::Isometry3d::Identity();
+  int candidate_id = -1;
+  bool icp_converged = false;
+  float icp_fitness = -1;
+  float match_distance = -1;
+  int model_id = -1;
+  std::string model_name;
+  std::string timestamp;
+  int view_id = -1;
+
+  static constexpr bool all_keys_required = true;
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("T_final", self.T_final, "camera_from_model, 4x4 [mm]");
+    visit("candidate_id", self.candidate_id, "-1: nothing recognized");
+    visit("icp_converged", self.icp_converged, "whether the refinement converged");
+    visit("icp_fitness", self.icp_fitness, "mean distance of scene and candidate [mm]");
+    visit("match_distance", self.match_distance, "L1 distance of the descriptors");
+    visit("model_id", self.model_id, "the part");
+    visit("model_name", self.model_name, "the part");
+    visit("timestamp", self.timestamp, "names the iteration's folder");
+    visit("view_id", self.view_id, "the view that matched");
+  }
+};
+
+struct CandidateExtras {
+  Eigen::Isometry3d T_1 = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_2 = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_3 = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_4 = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_final = Eigen::Isometry3d::Identity();
+  bool icp_converged = false;
+  float icp_fitness = -1;
+  int id = -1;
+  float match_distance = -1;
+  int model_id = -1;
+  std::string model_name;
+  int num_of_points = 0;
+  int num_of_points_refinement = 0;
+  int view_id = -1;
+  std::string verdict;
+
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("T_1", self.T_1, "centred_from_model, 4x4 [mm]");
+    visit("T_2", self.T_2, "camera_from_centred, 4x4 [mm]");
+    visit("T_3", self.T_3, "coarse alignment, 4x4 [mm]");
+    visit("T_4", self.T_4, "refinement, 4x4 [mm]");
+    visit("T_final", self.T_final, "T_4 T_3 T_2 T_1 = camera_from_model, 4x4 [mm]");
+    visit("icp_converged", self.icp_converged, "whether the refinement converged");
+    visit("icp_fitness", self.icp_fitness, "mean distance of scene and candidate [mm]");
+    visit("id", self.id, "rank in the matching, before the sorting by fitness");
+    visit("match_distance", self.match_distance, "L1 distance of the descriptors");
+    visit("model_id", self.model_id, "the part");
+    visit("model_name", self.model_name, "the part");
+    visit("num_of_points", self.num_of_points, "of the view in the dataset");
+    visit("num_of_points_refinement", self.num_of_points_refinement, "of the view in the refinement");
+    visit("view_id", self.view_id, "the view");
+    visit("verdict", self.verdict, "\"accepted\", or why not");
+  }
+};
+
+struct SceneExtras {
+  int num_of_points_input = 0;
+  int num_of_points_normal_estimation = 0;
+  int num_of_points_refinement = 0;
+
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("num_of_points_input", self.num_of_points_input, "as it came");
+    visit("num_of_points_normal_estimation", self.num_of_points_normal_estimation, "after the preprocessing");
+    visit("num_of_points_refinement", self.num_of_points_refinement, "in the refinement");
+  }
+};
+
+struct MeasuredOperation {
+  double measure_ms = 0;
+  std::string tag;
+
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("measure_ms", self.measure_ms, "wall-clock time [ms]");
+    visit("tag", self.tag, "the step");
+  }
+};
+
+/// C.2.3, with `verdict` beside.
+struct Extras {
+  std::vector<CandidateExtras> candidate_extras;  ///< sorted by fitness
+  SceneExtras scene_extras;
+  std::vector<MeasuredOperation> time_profiling;
+  std::string timestamp;
+
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("candidate_extras", self.candidate_extras, "in the order of the verification");
+    visit("scene_extras", self.scene_extras, "the scene");
+    visit("time_profiling", self.time_profiling, "each step");
+    visit("timestamp", self.timestamp, "names the iteration's folder");
+  }
+};
+
+/// C.2.4.
+struct Evaluation {
+  int ground_truth_model_id = -1;
+  std::string ground_truth_model_name;
+  Eigen::Isometry3d ground_truth_transformation_matrix = Eigen::Isometry3d::Identity();
+  int ground_truth_view_id = -1;
+  std::string timestamp;
+  bool recognized_correctly = false;
+  float rotation_error_deg = -1;
+  float translation_error_mm = -1;
+
+  static constexpr bool all_keys_required = true;
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("ground_truth_model_id", self.ground_truth_model_id, "-1 when the scene is not of a dataset");
+    visit("ground_truth_model_name", self.ground_truth_model_name, "the part that was shown; empty: none of them");
+    visit("ground_truth_transformation_matrix", self.ground_truth_transformation_matrix,
+          "camera_from_model, 4x4 [mm]");
+    visit("ground_truth_view_id", self.ground_truth_view_id, "-1 when the scene is not of a dataset");
+    visit("timestamp", self.timestamp, "names the iteration's folder");
+    visit("recognized_correctly", self.recognized_correctly, "whether the result names the part shown");
+    visit("rotation_error_deg", self.rotation_error_deg, "eq. 2.2 [deg], -1 when the part is not the one shown");
+    visit("translation_error_mm", self.translation_error_mm, "eq. 2.3 [mm], -1 when the part is not the one shown");
+  }
+};
+
+}  // namespace partpose

@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/registration/icp.hpp"
+
+#include "partpose/core/error.hpp"
+#include "partpose/core/pose.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace partpose {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+namespace {
+
+struct Pair {
+  int source = 0;
+  int target = 0;
+  float squared_distance = 0;
+};
+
+struct Pairs {
+  std::vector<Pair> kept;
+  double mean_squared_mm2 = 0;
+};
+
+Pairs find_pairs(const PointCloud& source, const PointCloud& target, const KdTree& tree,
+                 const Eigen::Isometry3d& target_from_source, const PoseRefinementOptions& options) {
+  const Eigen::Matrix3f rotation = target_from_source.linear().cast<float>();
+  const Eigen::Vector3f translation = target_from_source.translation().cast<float>();
+  const float limit = options.max_correspondence_distance * options.max_correspondence_distance;
+  Pairs pairs;
+  pairs.kept.reserve(source.size());
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    const auto nearest = tree.nearest(rotation * source.points[i] + translation);
+    if (nearest.index < 0 || nearest.squared_distance > limit) continue;
+    if (options.enforce_same_direction_normals && (rotation * source.normals[i]).dot(target.normals[nearest.index]) < 0)
+      continue;
+    pairs.kept.push_back({static_cast<int>(i), nearest.index, nearest.squared_distance});
+  }
+  if (pairs.kept.empty()) return pairs;
+  if (options.correspondence_gate_factor > 0) {
+    std::vector<float> squared(pairs.kept.size());
+    std::transform(pairs.kept.begin(), pairs.kept.end(), squared.begin(), [](const Pair& p) { return p.squared_distance; });
+    const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
+    std::nth_element(squared.begin(), middle, squared.end());
+    const float gate = *middle * options.correspondence_gate_factor * options.correspondence_gate_factor;
+    std::erase_if(pairs.kept, [gate](const Pair& p) { return p.squared_distance > gate; });
+  }
+  for (const auto& pair : pairs.kept) pairs.mean_squared_mm2 += pair.squared_distance;
+  pairs.mean_squared_mm2 /= static_cast<double>(std::max<std::size_t>(pairs.kept.size(), 1));
+  return pairs;
+}
+
+/// Solves in the directions that the pairs determine; the others stay 0. Rotations are scaled by the pairs' extent so
+/// that all six unknowns are lengths.
+Vector6d solve_determined(const Matrix6d& hessian, const Vector6d& gradient, double extent_mm) {
+  Vector6d scale;
+  scale << Eigen::Vector3d::Constant(1.0 / extent_mm), Eigen::Vector3d::Ones();
+  const Matrix6d scaled = scale.asDiagonal() * hessian * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scaled);
+  const double smallest = 1e-6 * solver.eigenvalues()[5];
+  Vector6d solution = Vector6d::Zero();
+  for (int k = 0; k < 6; ++k) {
+    if (!(solver.eigenvalues()[k] > smallest)) continue;
+    const Vector6d direction = solver.eigenvectors().col(k);
+    solution += direction * (direction.dot(scale.asDiagonal() * gradient) / solver.eigenvalues()[k]);
+  }
+  return scale.asDiagonal() * solution;
+}
+
+/// The motion that brings the source points (already at their present pose) nearer to their partners.
+Eigen::Isometry3d best_step(const PointCloud& source, const PointCloud& target, const std::vector<Pair>& pairs,
+                            const Eigen::Isometry3d& target_from_source, bool symmetric) {
+  Eigen::Vector3d source_mean = Eigen::Vector3d::Zero(), target_mean = Eigen::Vector3d::Zero();
+  for (const auto& pair : pairs) {
+    source_mean += target_from_source * source.points[pair.source].cast<double>();
+    target_mean += target.points[pair.target].cast<double>();
+  }
+  source_mean /= static_cast<double>(pairs.size());
+  target_mean /= static_cast<double>(pairs.size());
+
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  double squared_extent = 0;
+  const Eigen::Matrix3d rotation = target_from_source.linear();
+  for (const auto& pair : pairs) {
+    const Eigen::Vector3d p = target_from_source * source.points[pair.source].cast<double>() - source_mean;
+    const Eigen::Vector3d q = target.points[pair.target].cast<double>() - target_mean;
+    Eigen::Vector3d n = target.normals[pair.target].cast<double>();
+    Eigen::Vector3d arm = p;
+    if (symmetric) {
+      n += rotation * source.normals[pair.source].cast<double>();
+      const double length = n.norm();
+      if (!(length > 1e-6)) continue;
+      n /= length;  // the same weight as one point-to-plane pair
+      arm = p + q;
+    }
+    Vector6d jacobian;
+    jacobian << arm.cross(n), n;
+    hessian += jacobian * jacobian.transpose();
+    gradient -= jacobian * (p - q).dot(n);
+    squared_extent += p.squaredNorm();
+  }
+  const double extent = std::sqrt(squared_extent / static_cast<double>(pairs.size()));
+  if (!(extent > 0)) return Eigen::Isometry3d::Identity();
+  const Vector6d solution = solve_determined(hessian, gradient, extent);
+  const Eigen::Vector3d turn = solution.head<3>(), shift = solution.tail<3>();
+
+  Eigen::Isometry3d step = Eigen::Isometry3d::Identity();
+  if (symmetric) {
+    // Half of the rotation before and half after the translation; the solution is the axis times tan(angle).
+    const double angle = std::atan(turn.norm());
+    const Eigen::Matrix3d half = rotation_from_vector(turn.norm() > 0 ? Eigen::Vector3d(turn.normalized() * angle) : turn);
+    step.linear() = half * half;
+    step.translation() = target_mean + half * (shift * std::cos(angle)) - step.linear() * source_mean;
+  } else {
+    step.linear() = rotation_from_vector(turn);
+    step.translation() = target_mean + shift - step.linear() * source_mean;
+  }
+  return step;
+}
+
+/// Upper bound of how far `step` moves any of the source's points, by their bounding box.
+double largest_motion_mm(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& target_from_source,
+                         const Eigen::Isometry3d& step) {
+  double largest = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d p = target_from_source * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+    largest = std::max(largest, (step * p - p).norm());
+  }
+  return largest;
+}
+
+}  // namespace
+
+void PoseRefinementOptions::check() const {
+  if (!(voxel_size > 0)) throw Error("voxel_size {}: must be positive", voxel_size);
+  if (!(max_correspondence_distance > 0))
+    throw Error("max_correspondence_distance {}: must be positive", max_correspondence_distance);
+  if (max_iterations < 1) throw Error("max_iterations {}: must be 1 or more", max_iterations);
+  if (!(transformation_epsilon >= 0)) throw Error("transformation_epsilon {}: must be 0 or more", transformation_epsilon);
+  if (!(euclidean_fitness_epsilon >= 0))
+    throw Error("euclidean_fitness_epsilon {}: must be 0 or more", euclidean_fitness_epsilon);
+  if (!(correspondence_gate_factor >= 0))
+    throw Error("correspondence_gate_factor {}: must be 0 or more", correspondence_gate_factor);
+}
+
+IcpResult icp(const PointCloud& source, const PointCloud& target, const KdTree& target_tree,
+              const PoseRefinementOptions& options) {
+  if (!source.has_normals() || !target.has_normals()) throw Error("ICP needs clouds with normals");
+  Eigen::AlignedBox3d box;
+  for (const auto& p : source.points) box.extend(p.cast<double>());
+
+  IcpResult result;
+  double last_mean_squared = std::numeric_limits<double>::infinity();
+  for (; result.iterations < options.max_iterations; ++result.iterations) {
+    const Pairs pairs = find_pairs(source, target, target_tree, result.target_from_source, options);
+    result.pairs = static_cast<int>(pairs.kept.size());
+    if (result.pairs < 6) return result;
+    const Eigen::Isometry3d step =
+        best_step(source, target, pairs.kept, result.target_from_source, options.use_symmetric_objective);
+    const double motion = largest_motion_mm(box, result.target_from_source, step);
+    result.target_from_source = step * result.target_from_source;
+    if (motion <= options.transformation_epsilon &&
+        std::abs(last_mean_squared - pairs.mean_squared_mm2) <= options.euclidean_fitness_epsilon) {
+      result.converged = true;
+      ++result.iterations;
+      break;
+    }
+    last_mean_squared = pairs.mean_squared_mm2;
+  }
+  return result;
+}
+
+double mean_nearest_distance_mm(const PointCloud& cloud, const Eigen::Isometry3d& tree_from_cloud, const KdTree& tree) {
+  if (cloud.empty()) return 0;
+  const Eigen::Isometry3f pose = tree_from_cloud.cast<float>();
+  double sum = 0;
+  for (const auto& p : cloud.points) sum += std::sqrt(static_cast<double>(tree.nearest(pose * p).squared_distance));
+  return sum / static_cast<double>(cloud.size());
+}
+
+}  // namespace partpose

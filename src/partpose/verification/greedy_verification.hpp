@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/core/point_cloud.hpp"
+
+#include <Eigen/Geometry>
+
+#include <optional>
+#include <string>
+
+namespace partpose {
+
+struct HypothesisVerificationOptions {
+  float model_representation_voxel_size = 3;
+  float inlier_threshold = 10;
+  bool occlusion_reasoning = true;
+  float occlusion_threshold = 6;
+  float regularizer = 45;
+  float verification_voxel_size = 5;
+  std::optional<float> resolution;
+  float min_scene_coverage = 0.8f;
+
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("model_representation_voxel_size", self.model_representation_voxel_size,
+          "voxel of the part's fused views [mm], > 0");
+    visit("inlier_threshold", self.inlier_threshold, "model and scene points this near explain each other [mm], > 0");
+    visit("occlusion_reasoning", self.occlusion_reasoning, "model points that cannot be seen do not count");
+    visit("occlusion_threshold", self.occlusion_threshold,
+          "a point this far behind the surface seen in its direction is hidden [mm], >= 0");
+    visit("regularizer", self.regularizer,
+          "how many explained scene points one visible but unexplained model point outweighs, >= 0");
+    visit("verification_voxel_size", self.verification_voxel_size,
+          "voxel of scene and model in the verification [mm], > 0");
+    visit("resolution", self.resolution, "another name of verification_voxel_size, which it overrides");
+    visit("min_scene_coverage", self.min_scene_coverage,
+          "share of the scene's points that an accepted candidate explains, 0 to 1; 0 switches it off");
+  }
+  void check() const;
+  float voxel_mm() const { return resolution.value_or(verification_voxel_size); }
+};
+
+/// How well a model at a pose and a scene explain each other.
+struct Verification {
+  bool accepted = false;
+  int visible_model_points = 0;
+  int unexplained_model_points = 0;
+  int scene_points = 0;
+  int explained_scene_points = 0;
+  std::string reason;  ///< why it was not accepted, empty when it was
+};
+
+/// Greedy hypothesis verification (Aldoma et al. 2012, reference 3.5.6) of one candidate. `model` is the part's fused
+/// views in the model frame, `scene` the segmented scene in the camera frame, both thinned out by `voxel_mm()`. Accepted
+/// when explained scene points > regularizer x unexplained visible model points, and, which the original does not ask,
+/// when enough of the scene is explained. Occlusion is judged on depth grids of our own, of the voxel's angular size: a
+/// model point is hidden when it lies behind the model's own or the scene's nearest surface in its direction.
+Verification verify_greedy(const PointCloud& model, const Eigen::Isometry3d& camera_from_model, const PointCloud& scene,
+                           const HypothesisVerificationOptions& options);
+
+}  // namespace partpose
