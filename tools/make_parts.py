@@ -425,8 +425,8 @@ def pump_body():
     body += prism(rounded((-54, -40, 10), (62, -40, 10), (62, 26, 10), (-54, 26, 10)), -64, -53, top=("chamfer", 2))
     body = body.trim_by_plane([0, 1, 0], -48)                                            # machined faces
     def stub(z_neck, neck, z0, z1, radius):
-        return turned(np.vstack([[(0, z_neck), (neck, z_neck)], arc(neck + 4, z0 - 4, 4, 180, 90),
-                                 [(radius - 1, z0), (radius, z0 + 1), (radius, z1 - 1), (radius - 1, z1), (0, z1)]]), 56)
+        rim = [(radius - 1, z0), (radius, z0 + 1), (radius, z1 - 1), (radius - 1, z1), (0, z1)]
+        return turned(np.vstack([[(0, z_neck), (neck, z_neck)], arc(neck + 4, z0 - 4, 4, 180, 90), rim]), 56)
 
     body += stub(20, 21.2, 52, 62, 36).rotate([-90, 0, 0])
     body += stub(10, 18.2, 66, 76, 32).translate([40, 0, 0])
@@ -500,7 +500,8 @@ def measures(triangles):
     area = np.linalg.norm(cross, axis=1)
     volume = six_volumes.sum() / 6
     centroid = (t.sum(axis=1) * six_volumes[:, None]).sum(axis=0) / (24 * volume)
-    return np.concatenate([[volume ** (1 / 3), math.sqrt(area.sum() / 2)], t.min(axis=(0, 1)), t.max(axis=(0, 1)), centroid])
+    sizes = [volume ** (1 / 3), math.sqrt(area.sum() / 2)]
+    return np.concatenate([sizes, t.min(axis=(0, 1)), t.max(axis=(0, 1)), centroid])
 
 
 def check(folder, made):
@@ -517,7 +518,8 @@ def check(folder, made):
             off = np.abs(measures(read_stl(old)) - measures(read_stl(path))).max()
             same = off < 0.02
             good &= same
-            print(f"{path.name}: {'same part, other triangles' if same else 'DIFFERENT'} (largest difference {off:.4f} mm)")
+            verdict = "same part, other triangles" if same else "DIFFERENT"
+            print(f"{path.name}: {verdict} (largest difference {off:.4f} mm)")
     return good
 
 
@@ -538,7 +540,7 @@ def main():
     parser = argparse.ArgumentParser(description="Make the CAD-like parts of the project as binary STL files (mm).")
     parser.add_argument("folder", type=Path, help="output folder (with --check: the folder to compare with)")
     parser.add_argument("--only", nargs="*", metavar="NAME", help="only these parts")
-    parser.add_argument("--check", action="store_true", help="make the parts beside and compare; exit 1 on a difference")
+    parser.add_argument("--check", action="store_true", help="make them beside and compare; exit 1 on a difference")
     options = parser.parse_args()
     unknown = set(options.only or ()) - {make.__name__ for make in PARTS}
     if unknown:

@@ -48,7 +48,7 @@ def looking_at(direction, roll_deg):
 
 
 def visible_points(triangles, pitch):
-    """Points (and normals) where the rays of a pinhole camera with pixels of size `pitch` at z = 1 first meet the mesh."""
+    """Where the rays of a pinhole camera (pixels of size `pitch` at z = 1) first meet the mesh: points and normals."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     area = np.linalg.norm(normals, axis=1)
     facing = (area > 1e-9) & (np.sum(normals * triangles[:, 0], axis=1) < 0)

@@ -1,17 +1,20 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "commands.hpp"
+#include "output.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
+#include "partpose/core/pose.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/io/json.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <filesystem>
-#include <map>
+#include <fstream>
 #include <memory>
+#include <optional>
 
 namespace partpose::apps {
 
@@ -23,6 +26,7 @@ struct EvaluateArguments {
   fs::path dataset;
   fs::path test;
   fs::path config;
+  fs::path jsonl;
   double limit_deg = 15;
   double limit_mm = 15;
 };
@@ -32,13 +36,38 @@ void print_row(const std::string& name, const ProtocolSummary& s) {
              s.wrong_percent(), s.none_percent(), s.pose_right_percent(), s.median_ms, s.p95_ms);
 }
 
+Json frame_line(const ProtocolFrame& frame, const Recognition& recognition, const Catalogue& catalogue) {
+  Json line = to_json(frame.evaluation);
+  line["result"] = to_json(frame.result);
+  line["reason"] = recognition.reason;
+  line["candidates"] = Json::array();
+  for (const auto& candidate : extras_of(recognition, catalogue).candidate_extras) {
+    Json entry;
+    entry["model_name"] = candidate.model_name;
+    entry["view_id"] = candidate.view_id;
+    entry["match_distance"] = candidate.match_distance;
+    entry["icp_fitness"] = candidate.icp_fitness;
+    entry["icp_converged"] = candidate.icp_converged;
+    entry["rotation_error_deg"] = rotation_error_deg(candidate.T_final, frame.truth.camera_from_model);
+    entry["translation_error_mm"] = translation_error_mm(candidate.T_final, frame.truth.camera_from_model);
+    entry["verdict"] = candidate.verdict;
+    line["candidates"].push_back(entry);
+  }
+  line["time_ms"] = times_of(recognition.stages);
+  return line;
+}
+
 void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) {
   const auto config = arguments.config.empty() ? GlobalPipelineConfig{}
                                                : read_json<GlobalPipelineConfig>(arguments.config);
   const auto progress = terminal_progress(common.quiet);
   const GlobalPipeline pipeline(load_catalogue(open_dataset(arguments.dataset), config, progress), config);
   const Dataset test = open_dataset(arguments.test);
-  const auto frames = run_protocol(pipeline, test, progress);
+  std::optional<std::ofstream> jsonl;
+  if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
+  const auto frames = run_protocol(pipeline, test, progress, [&](const auto& frame, const auto& recognition, const auto&) {
+    if (jsonl) *jsonl << frame_line(frame, recognition, pipeline.catalogue()).dump() << '\n';
+  });
 
   fmt::print("{:<24} {:>6} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "part shown", "frames", "correct %", "wrong %",
              "none %", "pose right %", "median ms", "p95 ms");
@@ -61,6 +90,7 @@ void add_evaluate_command(CLI::App& app, const Common& common) {
   evaluate->add_option("-d,--dataset", arguments->dataset, "Dataset folder of the catalogue")->required();
   evaluate->add_option("-t,--test", arguments->test, "Dataset folder whose views are the scenes")->required();
   evaluate->add_option("-c,--config", arguments->config, "Pipeline JSON");
+  evaluate->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each frame here");
   evaluate->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")->capture_default_str();
   evaluate->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")->capture_default_str();
   evaluate->footer("Example (ground-truth protocol):\n"

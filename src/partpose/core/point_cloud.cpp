@@ -21,6 +21,12 @@ PointCloud select(const PointCloud& cloud, std::span<const int> indices) {
   return out;
 }
 
+PointCloud every_nth(const PointCloud& cloud, std::size_t step) {
+  std::vector<int> indices;
+  for (std::size_t i = 0; i < cloud.size(); i += step) indices.push_back(static_cast<int>(i));
+  return select(cloud, indices);
+}
+
 PointCloud without_missing(const PointCloud& cloud) {
   std::vector<int> kept;
   kept.reserve(cloud.size());

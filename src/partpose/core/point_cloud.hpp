@@ -32,6 +32,9 @@ struct PointCloud {
 /// The points at `indices`, in that order, with their normals and curvatures; the result is unorganized.
 PointCloud select(const PointCloud& cloud, std::span<const int> indices);
 
+/// Points 0, step, 2 step, ...: an even thinning of a cloud whose order follows space, as a voxel grid's does.
+PointCloud every_nth(const PointCloud& cloud, std::size_t step);
+
 /// Without points (or normals) that are not finite; the result is unorganized.
 PointCloud without_missing(const PointCloud& cloud);
 

@@ -44,6 +44,9 @@ std::optional<PairFeatures> pair_features(const Eigen::Vector3f& p1, const Eigen
   return features;
 }
 
+/// An angle's or a cosine's bin: PCL bins all three features over -pi to pi, so that cosines use the middle third alone.
+double angle_share(double value) { return (value + std::numbers::pi) / (2 * std::numbers::pi); }
+
 int bin_of(double share, int bins) { return std::clamp(static_cast<int>(std::floor(share * bins)), 0, bins - 1); }
 
 }  // namespace
@@ -66,12 +69,10 @@ std::vector<float> vfh(const PointCloud& cloud, const VfhOptions& options) {
     const auto features = pair_features(centre, mean_normal, cloud.points[i], cloud.normals[i]);
     if (features) {
       int* histogram = counts.data();
-      ++histogram[bin_of((features->alpha + std::numbers::pi) / (2 * std::numbers::pi), vfh_feature_bins)];
-      histogram += vfh_feature_bins;
-      ++histogram[bin_of((features->phi + 1.0) / 2, vfh_feature_bins)];
-      histogram += vfh_feature_bins;
-      ++histogram[bin_of((features->theta + 1.0) / 2, vfh_feature_bins)];
-      histogram += vfh_feature_bins;
+      for (const float feature : {features->alpha, features->phi, features->theta}) {
+        ++histogram[bin_of(angle_share(feature), vfh_feature_bins)];
+        histogram += vfh_feature_bins;
+      }
       if (options.use_fill_size_component) {
         constexpr double step_mm = 10;
         ++histogram[options.use_normalized_distances

@@ -34,17 +34,14 @@ void check_is_file(const std::filesystem::path& path) {
 
 std::string read_file(const std::filesystem::path& path) {
   check_is_file(path);
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw Error("{}: cannot be read: {}", path.string(), std::generic_category().message(errno));
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  if (error) throw Error("{}: cannot be read: {}", path.string(), error.message());
+  std::ifstream stream(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = stream.tellg();  // of the opened file: by its path it may be another one by now
+  if (size < 0) throw Error("{}: cannot be read: {}", path.string(), std::generic_category().message(errno));
   if (size == 0) throw Error("{}: byte 0: the file is empty", path.string());
-
-  std::string bytes(size, '\0');
-  stream.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != size)
-    throw Error("{}: byte {}: reading stopped, {} bytes expected", path.string(), stream.gcount(), size);
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  stream.seekg(0);
+  stream.read(bytes.data(), size);
+  if (!stream) throw Error("{}: byte {}: reading stopped, {} bytes expected", path.string(), stream.gcount(), size);
   return bytes;
 }
 

@@ -64,7 +64,7 @@ TEST(File, AReaderNeverSeesAHalfWrittenFile) {
   const auto write_often = [&](const std::string& bytes) {
     for (int i = 0; i < 100; ++i) write_file_atomically(folder / "shared", bytes);
   };
-  std::thread first(write_often, a), second(write_often, b);
+  std::jthread first(write_often, a), second(write_often, b);
   for (int i = 0; i < 100; ++i) {
     const std::string seen = read_file(folder / "shared");
     EXPECT_TRUE(seen == a || seen == b);

@@ -31,7 +31,7 @@ TEST(Lzf, ReadsTheFormatOfLiblzf) {
   EXPECT_EQ(lzf_decompress("\x02"s + "abc" + "\x40\x02"s, 7), "abcabca");
   const std::string far = noise(8192, 256, 3);
   std::string packed;
-  for (std::size_t i = 0; i < far.size(); i += 32) packed += "\x1f" + far.substr(i, 32);
+  for (std::size_t i = 0; i < far.size(); i += 32) packed.append("\x1f").append(far, i, 32);
   EXPECT_EQ(lzf_decompress(packed + "\x3f\xff", 8195), far + far.substr(0, 3)) << "the farthest copy";
 }
 

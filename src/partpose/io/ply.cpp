@@ -143,7 +143,7 @@ struct Place {
   std::size_t row = 0;
   std::size_t count = 0;
 
-  std::string words() const { return fmt::format("element '{}', {} of {}", element, row, count); }
+  std::string words() const { return fmt::format("element {}, {} of {}", in_quotes(element), row, count); }
 };
 
 class BinaryBody {

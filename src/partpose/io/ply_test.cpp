@@ -210,6 +210,7 @@ TEST(Ply, RefusesBadBinaryData) {
   for (std::size_t length = begin; length < good.size(); ++length)
     EXPECT_CONTAINS(error_in(good.substr(0, length)), fmt::format("byte {}: the file ends in element '", length));
   EXPECT_CONTAINS(error_in(good.substr(0, begin + 20)), "the file ends in element 'vertex', 0 of 2: truncated");
+  EXPECT_CONTAINS(error_in(replaced(good, "face 2", "\xe9 9")), "the file ends in element '?', 5 of 9: truncated");
   EXPECT_CONTAINS(error_in(good + "12"), fmt::format("byte {}: 2 bytes behind the last element", good.size()));
   EXPECT_CONTAINS(error_in(replaced(good, "vertex 2", "vertex 2147483647")),
                   "element 'vertex', 2 of 2147483647: truncated");

@@ -77,7 +77,7 @@ TEST(Stl, ReadsAsciiOfManyHands) {
   odd = replaced(odd, "SOLID", "Solid");
   odd = replaced(odd, "NORMAL 0 0 1", "normal nan -1.#IND 0");
   odd = replaced(odd, "VERTEX 1 0 0", "\tVERTEX\t+1.50E+01 -2e-3 1e-60 ");
-  for (std::size_t at = 0; (at = odd.find('\n', at)) != std::string::npos; at += 2) odd.insert(at, "\r");
+  for (std::size_t at = 0; (at = odd.find('\n', at)) != std::string::npos; at += 2) odd.insert(at, 1, '\r');
   const auto mesh = parse_stl(odd, "part.stl");
   ASSERT_EQ(mesh.vertices.size(), 3);
   EXPECT_EQ(mesh.vertices[1], Eigen::Vector3f(15, -0.002f, 0));

@@ -83,7 +83,7 @@ Recognition GlobalPipeline::recognize(const PointCloud& scene,
     std::stable_sort(r.candidates.begin(), r.candidates.end(),
                      [](const auto& a, const auto& b) { return a.icp_fitness < b.icp_fitness; });
   });
-  step("hypothesis_verification", [&] { r.accepted = verify(r.candidates, r.with_normals); });
+  step("hypothesis_verification", [&] { r.accepted = verify(r.candidates, r.preprocessed); });
 
   if (r.accepted >= 0) {
     const std::string timestamp = r.result.timestamp;
@@ -126,9 +126,11 @@ void GlobalPipeline::coarse_align(std::vector<Candidate>& candidates, const Poin
   parallel_for(candidates.size(), [&](std::size_t i) {
     const auto& view = catalogue_.views[candidates[i].view_row];
     const auto alignments = coarse_alignments(view.features, scene_features, config_.coarse_alignment);
+    constexpr std::size_t probes = 150;
+    const PointCloud few = every_nth(view.cloud, std::max<std::size_t>(view.cloud.size() / probes, 1));
     double best = std::numeric_limits<double>::infinity();
     for (const auto& alignment : alignments) {
-      const double distance = alignments.size() == 1 ? 0.0 : mean_nearest_distance_mm(view.cloud, alignment, tree);
+      const double distance = alignments.size() == 1 ? 0.0 : mean_nearest_distance_mm(few, alignment, tree);
       if (distance >= best) continue;
       best = distance;
       candidates[i].T3 = alignment;
@@ -158,7 +160,8 @@ int GlobalPipeline::verify(std::vector<Candidate>& candidates, const PointCloud&
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Candidate& candidate = candidates[i];
     const int part = catalogue_.views[candidate.view_row].part;
-    candidate.verification = verify_greedy(verification_models_[part], candidate.camera_from_model, thinned, options);
+    candidate.verification = verify_greedy(
+        {catalogue_.parts[part].mesh, verification_models_[part], candidate.camera_from_model}, scene, thinned, options);
     candidate.verified = true;
     if (candidate.verification.accepted) return static_cast<int>(i);
   }

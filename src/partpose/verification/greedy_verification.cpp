@@ -2,41 +2,52 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/verification/greedy_verification.hpp"
 
+#include "partpose/camera/rasterizer.hpp"
+#include "partpose/core/depth_image.hpp"
 #include "partpose/core/error.hpp"
 #include "partpose/geometry/kd_tree.hpp"
 
 #include <cmath>
-#include <cstdint>
-#include <unordered_map>
 
 namespace partpose {
 
 namespace {
 
-/// The smallest z seen in each direction, in cells of equal size on the plane z = 1.
-class DepthGrid {
- public:
-  DepthGrid(const std::vector<Eigen::Vector3f>& points, float cell) : cell_(cell) {
-    for (const auto& p : points) {
-      const auto [it, added] = nearest_z_.try_emplace(key(p), p.z());
-      if (!added) it->second = std::min(it->second, p.z());
-    }
-  }
-  /// True when something lies more than `threshold_mm` in front of `p` in its cell.
-  bool hides(const Eigen::Vector3f& p, float threshold_mm) const {
-    const auto it = nearest_z_.find(key(p));
-    return it != nearest_z_.end() && p.z() - it->second > threshold_mm;
-  }
+/// How far `p` lies behind what `depth` shows in its direction, in mm; nothing where it shows nothing.
+std::optional<float> depth_behind(const Eigen::Vector3f& p, const DepthImage& depth, const Intrinsics& camera) {
+  const Eigen::Vector2d pixel = camera.project(p.cast<double>());
+  const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
+  if (u < 0 || v < 0 || u >= depth.width || v >= depth.height || !(depth.at(u, v) > 0)) return std::nullopt;
+  return p.z() - depth.at(u, v);
+}
 
- private:
-  std::int64_t key(const Eigen::Vector3f& p) const {
-    const auto column = static_cast<std::int64_t>(std::floor(p.x() / p.z() / cell_));
-    const auto row = static_cast<std::int64_t>(std::floor(p.y() / p.z() / cell_));
-    return row * (std::int64_t{1} << 32) + column;
-  }
-  float cell_;
-  std::unordered_map<std::int64_t, float> nearest_z_;
+/// What the camera would see of a part at its place.
+struct SeenPart {
+  std::vector<Eigen::Vector3f> sampled;  ///< the model's points that the scene should show
+  std::vector<Eigen::Vector3f> surface;  ///< the rendered mesh, as a grid of points: what may explain a scene point
 };
+
+/// A model point should be in the scene where the rendered mesh shows it in its direction (it is neither hidden nor on a
+/// wall so steep that no line of sight meets it) and where nothing of the scene lies before it.
+SeenPart what_is_seen(const PointCloud& placed, const PlacedPart& part, const PointCloud& scene,
+                      const HypothesisVerificationOptions& options) {
+  SeenPart seen;
+  const double mean_z_mm = centroid(placed).z();
+  if (!(mean_z_mm > 0)) return seen;
+  const Intrinsics camera = intrinsics_covering(placed, 0.5 * options.voxel_mm() / mean_z_mm);
+  const DepthImage own = render(part.mesh, part.camera_from_model, camera).depth;
+  const DepthImage others = to_depth_image(scene, camera);
+  for (const auto& p : placed.points) {
+    if (!(p.z() > 0)) continue;
+    const auto behind_model = depth_behind(p, own, camera);
+    const auto behind_scene = depth_behind(p, others, camera);
+    if (behind_model && std::abs(*behind_model) <= options.occlusion_threshold &&
+        !(behind_scene && *behind_scene > options.occlusion_threshold))
+      seen.sampled.push_back(p);
+  }
+  seen.surface = to_point_cloud(own, camera).points;
+  return seen;
+}
 
 }  // namespace
 
@@ -51,43 +62,28 @@ void HypothesisVerificationOptions::check() const {
     throw Error("min_scene_coverage {}: must be 0 to 1", min_scene_coverage);
 }
 
-Verification verify_greedy(const PointCloud& model, const Eigen::Isometry3d& camera_from_model, const PointCloud& scene,
+Verification verify_greedy(const PlacedPart& part, const PointCloud& scene, const PointCloud& thinned_scene,
                            const HypothesisVerificationOptions& options) {
   Verification out;
-  out.scene_points = static_cast<int>(scene.size());
-  if (scene.empty()) {
+  out.scene_points = static_cast<int>(thinned_scene.size());
+  if (thinned_scene.empty()) {
     out.reason = "the scene has no points";
     return out;
   }
-  const PointCloud placed = transformed(model, camera_from_model);
-  std::vector<Eigen::Vector3f> visible;
-  visible.reserve(placed.size());
-  if (options.occlusion_reasoning) {
-    // Cells twice a voxel wide, so that a surface sampled once a voxel leaves no holes to see through.
-    const auto mean_z = static_cast<float>(std::max(centroid(scene).z(), 1.0));
-    const float cell = 2 * options.voxel_mm() / mean_z;
-    const DepthGrid scene_surface(scene.points, cell), model_surface(placed.points, cell);
-    for (std::size_t i = 0; i < placed.size(); ++i) {
-      const auto& p = placed.points[i];
-      const bool away = placed.has_normals() && placed.normals[i].dot(p) >= 0;
-      if (p.z() <= 0 || away || model_surface.hides(p, options.occlusion_threshold) ||
-          scene_surface.hides(p, options.occlusion_threshold))
-        continue;
-      visible.push_back(p);
-    }
-  } else {
-    visible = placed.points;
-  }
-  out.visible_model_points = static_cast<int>(visible.size());
-  if (visible.empty()) {
+  const PointCloud placed = transformed(part.surface, part.camera_from_model);
+  const SeenPart seen = options.occlusion_reasoning ? what_is_seen(placed, part, scene, options)
+                                                   : SeenPart{placed.points, placed.points};
+  out.visible_model_points = static_cast<int>(seen.sampled.size());
+  if (seen.sampled.empty() || seen.surface.empty()) {
     out.reason = "no point of the model would be visible";
     return out;
   }
 
   const float limit = options.inlier_threshold * options.inlier_threshold;
-  const KdTree scene_tree(scene.points), model_tree(visible);
-  for (const auto& p : visible) out.unexplained_model_points += scene_tree.nearest(p).squared_distance > limit;
-  for (const auto& p : scene.points) out.explained_scene_points += model_tree.nearest(p).squared_distance <= limit;
+  const KdTree scene_tree(thinned_scene.points), surface_tree(seen.surface);
+  for (const auto& p : seen.sampled) out.unexplained_model_points += scene_tree.nearest(p).squared_distance > limit;
+  for (const auto& p : thinned_scene.points)
+    out.explained_scene_points += surface_tree.nearest(p).squared_distance <= limit;
 
   const double coverage = static_cast<double>(out.explained_scene_points) / out.scene_points;
   if (!(out.explained_scene_points > options.regularizer * static_cast<float>(out.unexplained_model_points))) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/core/mesh.hpp"
 #include "partpose/core/point_cloud.hpp"
 
 #include <Eigen/Geometry>
@@ -51,12 +52,19 @@ struct Verification {
   std::string reason;  ///< why it was not accepted, empty when it was
 };
 
-/// Greedy hypothesis verification (Aldoma et al. 2012, reference 3.5.6) of one candidate. `model` is the part's fused
-/// views in the model frame, `scene` the segmented scene in the camera frame, both thinned out by `voxel_mm()`. Accepted
-/// when explained scene points > regularizer x unexplained visible model points, and, which the original does not ask,
-/// when enough of the scene is explained. Occlusion is judged on depth grids of our own, of the voxel's angular size: a
-/// model point is hidden when it lies behind the model's own or the scene's nearest surface in its direction.
-Verification verify_greedy(const PointCloud& model, const Eigen::Isometry3d& camera_from_model, const PointCloud& scene,
+/// A part at a hypothesised pose.
+struct PlacedPart {
+  const TriangleMesh& mesh;     ///< model frame
+  const PointCloud& surface;    ///< all views fused and thinned out by `voxel_mm()`, model frame
+  Eigen::Isometry3d camera_from_model;
+};
+
+/// Greedy hypothesis verification (Aldoma et al. 2012, reference 3.5.6) of one candidate against the segmented scene,
+/// camera frame, as it is and thinned out by `voxel_mm()`. Accepted when explained scene points > regularizer x
+/// unexplained visible model points and, which the original does not ask, when enough of the scene is explained.
+/// With occlusion reasoning a model point counts only where the camera could see it: not behind the rendered mesh, nor
+/// behind the scene's points.
+Verification verify_greedy(const PlacedPart& part, const PointCloud& scene, const PointCloud& thinned_scene,
                            const HypothesisVerificationOptions& options);
 
 }  // namespace partpose

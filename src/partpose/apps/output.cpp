@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "output.hpp"
+
+#include "partpose/core/error.hpp"
+
+namespace partpose::apps {
+
+std::ofstream open_for_writing(const std::filesystem::path& path) {
+  std::ofstream file(path);
+  if (!file) throw Error("{}: cannot be written", path.string());
+  return file;
+}
+
+Json times_of(std::span<const MeasuredOperation> stages) {
+  const auto rounded = [](double ms) { return std::round(ms * 1000) / 1000; };
+  Json times;
+  double total = 0;
+  for (const auto& stage : stages) total += stage.measure_ms;
+  times["total"] = rounded(total);
+  for (const auto& stage : stages) times[stage.tag] = rounded(stage.measure_ms);
+  return times;
+}
+
+}  // namespace partpose::apps
