@@ -266,4 +266,7 @@ std::string error_of(const Call& call) {
   return "no error";
 }
 
+/// For EXPECT_PRED2(mentions, error_of(...), "part of the message").
+inline bool mentions(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
 }  // namespace partpose::shapes

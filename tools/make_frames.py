@@ -3,18 +3,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes the project's own depth frames: parts of parts/ resting on a table, with exact poses.
 
-Needs three packages from PyPI:
+Needs three packages from PyPI (written with numpy 2.4.6, pillow 13.0.0, scipy 1.17.1) and Python 3.10:
 
-    python3 -m pip install numpy==2.4.6 pillow==13.0.0 scipy==1.17.1
+    python3 -m pip install numpy pillow scipy
 
-    python3 tools/make_frames.py scenes             # write everything (about a minute), then verify what was written
+    python3 tools/make_frames.py scenes             # write everything (under a minute), then verify what was written
     python3 tools/make_frames.py scenes --check     # make it again beside and compare with the files in scenes/
     python3 tools/make_frames.py scenes --verify    # only read the files back and hold them against the meshes
     python3 tools/make_frames.py scenes --preview p.png
 
 The rasteriser and the sensor are written here a second time, on purpose: frames drawn by the code that is tested with
 them would hide that code's mistakes. Camera frame: x right, y down, z forward, pixel centres at integers, millimetres.
-World frame: the table is z = 0, z up. `b_from_a` maps coordinates of a to b.
+World frame: the table is z = 0, z up. `b_from_a` maps coordinates of a to b. The same versions give the same bytes each
+time; `--check` compares bytes first and, where they differ (another libm or zlib), pixels, points and numbers.
 """
 import argparse
 import dataclasses
@@ -87,17 +88,17 @@ TENTH = Camera(fx=616.4, fy=616.4, cx=318.9, cy=241.2, depth_scale_mm=0.1)
 
 FRAMES = [
     Frame("housing", "housing", 1, 610, 52, MM, (900, 620)),
-    Frame("bracket", "bracket", 2, 560, 41, MM, instance=True),
-    Frame("keyed_shaft", "keyed_shaft", 3, 640, 58, MM, instance=True),
-    Frame("link", "link", 4, 700, 66, MM_B, with_table=True),
-    Frame("t_plate", "t_plate", 5, 590, 62, MM, (760, 520), overhang=0.22),
-    Frame("flange", "flange", 6, 660, 37, TENTH, (1000, 700)),
-    Frame("mount_left", "mount_left", 7, 480, 47, MM_B, (800, 600)),
-    Frame("mount_right", "mount_right", 8, 780, 35, MM, instance=True),
-    Frame("elbow_130", "elbow_130", 9, 740, 55, MM_B, (900, 640), with_table=True),
-    Frame("pump_body", "pump_body", 10, 690, 44, TENTH),
-    Frame("clutter_elbow_100", "elbow_100", 11, 680, 48, MM, (1000, 700), clutter=True),
-    Frame("unknown_star_knob", "star_knob", 12, 520, 50, MM, (900, 620)),
+    Frame("bracket", "bracket", 602, 560, 41, MM, instance=True),
+    Frame("keyed_shaft", "keyed_shaft", 403, 640, 58, MM, instance=True),
+    Frame("link", "link", 504, 700, 66, MM_B, with_table=True),
+    Frame("t_plate", "t_plate", 605, 590, 62, MM, (760, 520), overhang=0.22),
+    Frame("flange", "flange", 406, 660, 37, TENTH, (1000, 700)),
+    Frame("mount_left", "mount_left", 207, 480, 47, MM_B, (800, 600)),
+    Frame("mount_right", "mount_right", 708, 780, 35, MM, instance=True),
+    Frame("elbow_130", "elbow_130", 409, 740, 55, MM_B, (900, 640), with_table=True),
+    Frame("pump_body", "pump_body", 310, 690, 44, TENTH),
+    Frame("clutter_elbow_100", "elbow_100", 211, 680, 48, MM, (1000, 700), clutter=True),
+    Frame("unknown_star_knob", "star_knob", 112, 520, 50, MM, (900, 620)),
     Frame("empty_table", None, 13, 650, 45, MM_B, (900, 640)),
 ]
 
@@ -193,7 +194,7 @@ def inside_by(corners, point):
 
 
 def resting_poses(triangles):
-    """[(probability, rotation world_from_model)]: faces of the convex hull that carry the centre of mass.
+    """[(probability, rotation world_from_model)], the faces of the convex hull that carry the centre of mass.
 
     The probability is the solid angle of the face seen from the centre of mass; a face that the part would leave when
     tilted by one degree does not count.
@@ -223,17 +224,17 @@ def resting_poses(triangles):
     return [(p / total, rotation) for p, rotation in poses]
 
 
-def stand(frame, triangles, random):
-    """world_from_model of the part, resting near the world's origin, and the probability of that rest."""
+def stand(triangles, random):
+    """world_from_model of the part, resting near the world's origin."""
     poses = resting_poses(triangles)
-    likely = [p for p in poses if p[0] > 0.2 * max(q for q, _ in poses)]
+    likely = [p for p in poses if p[0] > 0.3 * max(q for q, _ in poses)]
     share = np.array([p for p, _ in likely])
-    probability, rotation = likely[random.choice(len(likely), p=share / share.sum())]
+    _, rotation = likely[random.choice(len(likely), p=share / share.sum())]
     rotation = about([0, 0, 1], random.uniform(0, 2 * math.pi)) @ rotation
     points = triangles.reshape(-1, 3) @ rotation.T
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    place = random.uniform(-45, 45, 2)
-    return pose(rotation, (place[0] - middle[0], place[1] - middle[1], -points[:, 2].min())), probability
+    place = random.uniform(-90, 90, 2)
+    return pose(rotation, (place[0] - middle[0], place[1] - middle[1], -points[:, 2].min()))
 
 
 def look(frame, random):
@@ -318,8 +319,8 @@ class Picture:
             part = slice(int(v0[i]), int(v1[i]) + 1), slice(int(u0[i]), int(u1[i]) + 1)
             x, y = np.arange(u0[i], u1[i] + 1)[None, :], np.arange(v0[i], v1[i] + 1)[:, None]
             edges = [(u[i, k - 2] - u[i, k]) * (y - v[i, k]) - (v[i, k - 2] - v[i, k]) * (x - u[i, k])
-                     for k in range(3)]                      # edge k -> k + 1; all of one sign inside
-            inside = np.minimum.reduce(edges) >= -1e-9
+                     for k in range(3)]                      # edge k -> k + 1; all negative inside (y is down)
+            inside = np.maximum.reduce(edges) <= 1e-9
             if not inside.any():
                 continue
             z = offsets[i] / (self.rays[part] @ normals[i])
@@ -398,7 +399,7 @@ def measure(left, right, sensor, random):
     # 4. Holes where the surface is seen at a grazing angle.
     lost, kept = sensor.grazing_cos
     risk = np.clip((kept - left.cosine()) / (kept - lost), 0, 1)
-    valid &= smooth_noise(random, shape, 1.5) > -2.5 + 4 * risk
+    valid &= smooth_noise(random, shape, 1.5) > -3.6 + 5 * risk
 
     # 5. Noise, most of it shared by neighbours, then both quantisations.
     sigma, blur = random.uniform(*sensor.noise_px), random.uniform(*sensor.blur_px)
@@ -452,10 +453,10 @@ def make(frame, folder):
     """Writes the files of one frame; gives its entries of gt.json and its line of the README."""
     random = np.random.default_rng(frame.seed)
     camera, sensor = frame.camera, Sensor()
-    solids, stood, com, probability = [], None, None, None
+    solids, stood, com = [], None, None
     if frame.part:
         triangles = model(frame.part)
-        world_from_model, probability = stand(frame, triangles, random)
+        world_from_model = stand(triangles, random)
         stood, com = moved(world_from_model, triangles), moved(world_from_model, centre_of_mass(triangles))
         solids.append((stood, PART))
         stood = stood.reshape(-1, 3)
@@ -464,7 +465,8 @@ def make(frame, folder):
     if frame.clutter:                                        # one on either side of the part, as the camera sees it
         middle = (stood.min(axis=0) + stood.max(axis=0)) / 2
         behind = np.cross([0, 0, 1], right)
-        for k, (solid, at) in enumerate(((mug(), 175 * right + 40 * behind), (small_box(), -150 * right - 35 * behind))):
+        beside = (mug(), 175 * right + 40 * behind), (small_box(), -150 * right - 35 * behind)
+        for k, (solid, at) in enumerate(beside):
             place = pose(about([0, 0, 1], random.uniform(0, 2 * math.pi)), (middle[0] + at[0], middle[1] + at[1], 0))
             solids.append((moved(place, solid), PART + 1 + k))
     boards = table_of(frame, camera_from_world, stood, com, random)
@@ -475,9 +477,13 @@ def make(frame, folder):
     Image.fromarray(units).save(folder / f"{frame.name}.png", optimize=True)
     (folder / f"{frame.name}.camera.json").write_text(json_text(dataclasses.asdict(camera)))
 
-    line = [f"`{frame.name}`", "-", "-", f"{frame.distance_mm}", f"{frame.elevation_deg}", f"{camera.depth_scale_mm}", "-"]
+    table = "{} x {}".format(*frame.table_mm) if frame.table_mm else "fills the picture"
+    extras = [f"{frame.overhang:.0%} beyond the table's edge"] * bool(frame.overhang)
+    extras += ["a mug and a box beside it"] * frame.clutter
+    line = [f"`{frame.name}`", "-", "-", f"{frame.distance_mm}", f"{frame.elevation_deg}", f"{camera.depth_scale_mm}",
+            table, "-", "; ".join(extras) or "-"]
     if frame.part is None or frame.part == "star_knob":
-        line[1] = "none" if frame.part is None else "none (star knob)"
+        line[1], line[8] = "none", "-" if frame.part is None else "a hand knob that is not in `parts/`"
         return [{"scene": f"{frame.name}.png", "kind": "full_frame", "model": None, "T": [], "gt_quality": "none",
                  "tolerance_mm": None, "tolerance_deg": None, "verified_median_mm": None}], line
     camera_from_model = np.array(rows(camera_from_world @ world_from_model))
@@ -499,8 +505,8 @@ def make(frame, folder):
         (folder / path).write_bytes(ply_bytes(cloud))
         entries.append({**entry, "scene": path, "kind": "with_table"})
     down = -world_from_model[2, :3]
-    line[1], line[2] = f"`{frame.part}`", "({:.2f}, {:.2f}, {:.2f}), {:.0%}".format(*(np.round(down, 2) + 0.0), probability)
-    line[6] = f"{entry['visible_fraction']:.0%}"
+    line[1], line[2] = f"`{frame.part}`", "({:g}, {:g}, {:g})".format(*(np.round(down, 2) + 0.0))
+    line[7] = f"{entry['visible_fraction']:.0%}"
     return entries, line
 
 
@@ -517,34 +523,47 @@ DISCRETE = {"link": [half_turn([1, 0, 0])],
 CONTINUOUS = {"plain_shaft": [{"axis": [0, 0, 1], "offset": [0, 0, 0]}]}
 
 
+def to_triangles(points, triangles):
+    """Distance of points (n, 3) to triangles (n, 3, 3), one each."""
+    ahead, away = np.roll(triangles, -1, axis=1) - triangles, points[:, None] - triangles
+    share = np.sum(away * ahead, axis=2) / np.maximum(np.sum(ahead * ahead, axis=2), 1e-20)
+    to_edge = np.linalg.norm(away - np.clip(share, 0, 1)[..., None] * ahead, axis=2).min(axis=1)
+    normal = np.cross(ahead[:, 0], ahead[:, 1])
+    length = np.linalg.norm(normal, axis=1)
+    normal /= np.maximum(length, 1e-20)[:, None]
+    above = np.all(np.sum(np.cross(ahead, away) * normal[:, None], axis=2) >= 0, axis=1) & (length > 1e-9)
+    return np.where(above, np.abs(np.sum(away[:, 0] * normal, axis=1)), to_edge)
+
+
 class Surface:
-    """Distance of points to a mesh: exact to the triangles whose samples are nearest."""
+    """Distance of points to a mesh."""
 
     def __init__(self, triangles, spacing_mm=0.7):
         random = np.random.default_rng(0)
-        self.triangles = triangles
-        area = np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1) / 2
-        count = int(area.sum() / spacing_mm ** 2)
-        owner = np.concatenate([np.repeat(np.arange(len(area)), 4), random.choice(len(area), count, p=area / area.sum())])
-        weights = random.dirichlet((1, 1, 1), len(owner))
-        weights[:4 * len(area)] = np.tile(np.vstack([np.eye(3), np.full((1, 3), 1 / 3)]), (len(area), 1))
-        self.samples, self.owner = np.einsum("nk,nkd->nd", weights, triangles[owner]), owner
+        self.triangles, each = triangles, np.arange(len(triangles))
+        area = np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
+        drawn = random.choice(len(area), int(area.sum() / 2 / spacing_mm ** 2), p=area / area.sum())
+        self.owner = np.concatenate([each, drawn])
+        weights = np.concatenate([np.full((len(each), 3), 1 / 3), random.dirichlet((1, 1, 1), len(drawn))])
+        self.samples = np.einsum("nk,nkd->nd", weights, triangles[self.owner])
         self.tree = cKDTree(self.samples)
 
-    def distance(self, points, candidates=24):
-        _, nearest = self.tree.query(points, candidates)
-        t = self.triangles[self.owner[nearest]]                              # (n, candidates, corner, 3)
-        p = np.broadcast_to(points[:, None, None], t.shape)
-        ahead = np.roll(t, -1, axis=2) - t
-        share = np.sum((p - t) * ahead, axis=3) / np.maximum(np.sum(ahead * ahead, axis=3), 1e-20)
-        to_edge = np.linalg.norm(p - t - np.clip(share, 0, 1)[..., None] * ahead, axis=3).min(axis=2)
-        normal = np.cross(ahead[:, :, 0], ahead[:, :, 1])
-        length = np.linalg.norm(normal, axis=2)
-        normal = normal / np.maximum(length, 1e-20)[..., None]
-        side = np.sum(np.cross(ahead, p - t) * normal[:, :, None], axis=3)
-        over = np.all(side >= 0, axis=2) & (length > 1e-9)
-        height = np.abs(np.sum((points[:, None] - t[:, :, 0]) * normal, axis=2))
-        return np.where(over, height, to_edge).min(axis=1)
+    def distance(self, points, candidates=12):
+        """To the triangles of the nearest samples: never too small, too large by less than the samples' spacing."""
+        owner = self.owner[self.tree.query(points, candidates)[1]].reshape(-1)
+        each = to_triangles(np.repeat(points, candidates, axis=0), self.triangles[owner])
+        return each.reshape(-1, candidates).min(axis=1)
+
+    def exact_distance(self, points, good_enough_mm=0.0):
+        """As `distance`, and then to every triangle whose box is nearer; only where it is above `good_enough_mm`."""
+        result = self.distance(points)
+        low, high = self.triangles.min(axis=1), self.triangles.max(axis=1)
+        for some in np.array_split(np.flatnonzero(result > good_enough_mm), 1 + len(points) // 500):
+            p = points[some][:, None]
+            gap = np.linalg.norm(np.maximum(np.maximum(low - p, p - high), 0), axis=2)
+            i, j = np.nonzero(gap < result[some][:, None])
+            np.minimum.at(result, some[i], to_triangles(points[some[i]], self.triangles[j]))
+        return result
 
 
 def symmetries():
@@ -566,9 +585,10 @@ def symmetries():
             item["symmetries_continuous"] = CONTINUOUS[name]
             turns += [pose(about(c["axis"], a)) for c in CONTINUOUS[name] for a in (0.05, 0.7, 1.9, 3.0, 4.4)]
         deviation = 0.0
-        surface = Surface(triangles) if turns else None
+        surface = Surface(triangles, 1.5) if turns else None
         for turn in turns:
-            deviation = max(deviation, float(surface.distance(moved(turn, surface.samples)).max()))
+            turned = moved(turn, np.concatenate([surface.samples, points]))
+            deviation = max(deviation, float(surface.exact_distance(turned, 0.0005).max()))
         if deviation > SYMMETRY_TOLERANCE_MM:
             raise SystemExit(f"{name}: not symmetric, {deviation:.3f} mm")
         item.update(symmetry_tolerance_mm=SYMMETRY_TOLERANCE_MM, symmetry_deviation_mm=round(deviation, 3))
@@ -584,31 +604,32 @@ Depth frames of the project's own parts ([`parts/`](../parts)), rendered with a 
 the demo runs on them and so do the tests. Made by [`tools/make_frames.py`](../tools/make_frames.py), fixed seeds
 (`python3 tools/make_frames.py scenes --check` compares). Licence: Apache-2.0, like the project.
 
-| frame | part | rests on: direction in the model, probability | distance, mm | elevation, degrees | mm per unit | visible |
-|---|---|---|---|---|---|---|
+| frame | part | rests on, model axes | distance, mm | elevation, deg | mm per unit | table, mm | visible | besides |
+|---|---|---|---|---|---|---|---|---|
 {table}
-
-{notes}
 
 ## How they are made
 
 The part rests in a pose drawn from the faces of its convex hull that carry its centre of mass, at a random turn and
-place. The rasteriser is the script's own, not the library's. The camera is like a D415 at 640 x 480: baseline 55 mm,
-disparity noise of 0.05 to 0.08 pixels shared by neighbours within 2 to 3 pixels and a little white noise, edges that
-grow by up to 2 pixels, mixed pixels between foreground and background, a shadow left of things and an empty band at the
-left border where the right imager sees nothing, holes at grazing angles, disparity in steps of 1/32 pixel, then depth
-in whole units. Not modelled: fixed ripples and bends of a real unit, texture, shine, motion.
+place; "rests on" is the direction that points down. The keyway of `keyed_shaft`, the cable collar of `housing` and the
+counterbores of `t_plate` are in view, so that each pose is decided by its frame.
+
+The rasteriser is the script's own, not the library's. The camera is like a D415 at 640 x 480: baseline 55 mm, disparity
+noise of 0.05 to 0.08 pixels shared by neighbours within 2 to 3 pixels and a little white noise, edges that grow by up
+to 2 pixels, mixed pixels between foreground and background, a shadow left of things and an empty band at the left
+border where the right imager sees nothing, holes at grazing angles, disparity in steps of 1/32 pixel, then depth in
+whole units. Not modelled: fixed ripples and bends of a real unit, texture, shine, motion.
 
 ## Files
 
 - `NAME.png`, `NAME.camera.json`: 16-bit depth (0 = no value) and its pinhole camera, pixel centres at integers.
-- `NAME__PART.ply` (kind `instance`): the part alone, the pixels within {mask} mm of the depth rendered at the true pose.
-  `NAME_table.ply` (kind `with_table`): the points within 1.8 times the part's box, both along the camera's axes.
+- `NAME__PART.ply` (kind `instance`): the part alone, the pixels within {mask} mm of the depth rendered at the true
+  pose. `NAME_table.ply` (kind `with_table`): the points within 1.8 times the part's box, both along the camera's axes.
   Binary little-endian float32 x y z, mm, camera frame.
-- `gt.json`: `T` = camera_from_model, 4x4 row by row, mm; x right, y down, z forward. `scene` is relative to this folder.
-  `gt_quality` `exact`: the pose that was rendered. `tolerance_*`: what the noise leaves undecided at best; smaller
-  differences are no errors. `visible_fraction` as BOP's `visib_fract`. `verified_median_mm`: median distance of the
-  part's points to the mesh at `T`, computed from these files. `model` null: nothing of the catalogue is there.
+- `gt.json`: `T` = camera_from_model, 4x4 row by row, mm; x right, y down, z forward. `scene` is relative to this
+  folder. `gt_quality` `exact`: the pose that was rendered. `tolerance_mm`, `tolerance_deg`: a smaller difference is no
+  error, it is within the noise. `visible_fraction` as BOP's `visib_fract`. `verified_median_mm`: median distance of the part's
+  points to the mesh at `T`, computed from these files. `model` null: nothing of the catalogue is there.
 - `symmetries.json`: keys of BOP's models_info for every part of `parts/`; `symmetries_discrete` without the identity.
   A pose is right when it is near any `T * S`. `symmetry_deviation_mm`: largest distance between surface and turned
   surface, measured on the mesh.
@@ -623,7 +644,7 @@ def verify(folder, quiet=False):
         if entry["model"] is None:
             continue
         path = folder / entry["scene"]
-        frame = re.sub(r"(__\w+|_table)?\.(png|ply)$", "", path.name)
+        frame = re.sub(r"(__\w+|_table)?\.ply$|\.png$", "", path.name)
         camera = read_camera(folder / f"{frame}.camera.json")
         camera_from_model = np.array(entry["T"][0])
         surface = surfaces.setdefault(entry["model"], Surface(model(entry["model"])))
@@ -641,8 +662,8 @@ def verify(folder, quiet=False):
         filled = len(points) / np.count_nonzero(np.isfinite(expected))
         good &= medians[entry["scene"]] < MEDIAN_LIMIT_MM and filled > 0.5
         if not quiet:
-            print(f"{entry['scene']:34s} {len(points):6d} points, {filled:4.0%} of the silhouette, median distance "
-                  f"{np.median(distance):.2f} mm, p95 {np.percentile(distance, 95):.2f} mm, along z {np.median(off):+.2f} mm")
+            print(f"{entry['scene']:30s} {len(points):6d} points, {filled:4.0%} of the silhouette, distance: median "
+                  f"{np.median(distance):.2f}, p95 {np.percentile(distance, 95):.2f}, along z {np.median(off):+.2f} mm")
     return good, medians
 
 
@@ -661,10 +682,7 @@ def write(folder):
             entry["verified_median_mm"] = medians[entry["scene"]]
     (folder / "gt.json").write_text(json_text(truth))
     (folder / "symmetries.json").write_text(json_text(symmetries()))
-    (folder / "README.md").write_text(README.format(table="\n".join(lines), mask=MASK_MM, notes=NOTES))
-
-
-NOTES = "NOTES"
+    (folder / "README.md").write_text(README.format(table="\n".join(lines), mask=MASK_MM))
 
 
 def numbers(text):
@@ -705,13 +723,16 @@ def preview(folder, target):
     for frame in FRAMES:
         camera, entry = read_camera(folder / f"{frame.name}.camera.json"), truth[f"{frame.name}.png"]
         z = read_png(folder / f"{frame.name}.png") * camera.depth_scale_mm
-        low, high = np.percentile(z[z > 0], (1, 90))
+        alone = z[160:320, 220:420]
+        if entry["model"]:
+            alone = rendered(camera, np.array(entry["T"][0]), model(entry["model"]))
+        mask = np.isfinite(alone) & (alone > 0)
+        low, high = alone[mask].min() - 30, alone[mask].max() + 120
         t = np.clip((z - low) / (high - low), 0, 1)[..., None]
         colour = 255 * np.clip(1.5 - np.abs(4 * (1 - t) - np.array([3, 2, 1])), 0.1, 1)
         shade = np.clip(0.8 + 0.12 * np.gradient(gaussian_filter(z, 1))[1], 0.35, 1)[..., None]
         colour = np.where(z[..., None] > 0, colour * shade, 0)
         if entry["model"]:
-            mask = np.isfinite(rendered(camera, np.array(entry["T"][0]), model(entry["model"])))
             colour[binary_dilation(mask) & ~mask] = 255
         tile = Image.fromarray(colour.astype(np.uint8))
         ImageDraw.Draw(tile).text((8, 6), frame.name, fill=(255, 255, 255))
@@ -727,8 +748,8 @@ def main():
     parser = argparse.ArgumentParser(description="Make the project's depth frames with exact poses.")
     parser.add_argument("folder", type=Path, help="output folder (with --check: the folder to compare with)")
     parser.add_argument("--check", action="store_true", help="make them beside and compare; exit 1 on a difference")
-    parser.add_argument("--verify", action="store_true", help="only hold the files against the meshes; exit 1 on a misfit")
-    parser.add_argument("--preview", type=Path, metavar="PNG", help="only draw the frames of the folder into one picture")
+    parser.add_argument("--verify", action="store_true", help="only hold the files against the meshes")
+    parser.add_argument("--preview", type=Path, metavar="PNG", help="only draw all frames into one picture")
     options = parser.parse_args()
     if options.preview:
         preview(options.folder, options.preview)

@@ -44,13 +44,14 @@ int main(int argc, char** argv) {
 
   std::unique_ptr<ThreadLimit> limit;
   app.parse_complete_callback([&] { limit = std::make_unique<ThreadLimit>(common.threads); });
-  apps::add_recognize_command(app, common);
+  int failures = 0;
+  apps::add_recognize_command(app, common, failures);
   apps::add_dataset_commands(app, common);
   apps::add_evaluate_command(app, common);
 
   try {
     app.parse(argc, argv);
-    return 0;
+    return failures == 0 ? 0 : exit_bad_input;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     return fail(fmt::format("{} (see partpose --help)", error.what()));

@@ -1,2 +1,179 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
 #include "commands.hpp"
-namespace partpose::apps { void add_recognize_command(CLI::App&, const Common&) {} }
+#include "output.hpp"
+#include "terminal.hpp"
+
+#include "partpose/core/error.hpp"
+#include "partpose/evaluation/picture.hpp"
+#include "partpose/io/json.hpp"
+#include "partpose/io/model_files.hpp"
+#include "partpose/io/png.hpp"
+#include "partpose/io/scene.hpp"
+#include "partpose/pipeline/catalogue_cache.hpp"
+#include "partpose/pipeline/iteration_output.hpp"
+#include "partpose/pipeline/recognizer.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace partpose::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RecognizeArguments {
+  std::vector<fs::path> scenes;
+  std::vector<fs::path> models;
+  fs::path dataset, config, camera, cache, jsonl, output, pictures;
+  std::string units = "mm";
+};
+
+/// Either way to recognize a scene, behind one face.
+class AnyPipeline {
+ public:
+  AnyPipeline(const RecognizeArguments& arguments, const Progress& progress) {
+    if (arguments.models.empty() == arguments.dataset.empty())
+      throw Error("recognize: give the parts with --models (STL files) or with --dataset (a dataset folder)");
+    if (!arguments.config.empty() && arguments.dataset.empty())
+      throw Error("recognize: --config goes with --dataset; --models needs no configuration");
+    if (!arguments.config.empty()) {
+      config_ = read_json<GlobalPipelineConfig>(arguments.config);
+      global_.emplace(load_catalogue(open_dataset(arguments.dataset), config_, progress), config_);
+      return;
+    }
+    config_ = Recognizer::catalogue_config();
+    if (!arguments.dataset.empty()) {
+      recognizer_.emplace(load_catalogue(open_dataset(arguments.dataset), config_, progress));
+      return;
+    }
+    std::vector<fs::path> paths;
+    for (const auto& path : arguments.models) {
+      const auto found = model_files(path);
+      paths.insert(paths.end(), found.begin(), found.end());
+    }
+    recognizer_.emplace(cached_catalogue(paths, DatasetPreparationConfig{}, config_,
+                                         arguments.cache.empty() ? default_cache_folder() : arguments.cache, progress));
+  }
+
+  Recognition recognize(const Scene& scene) const {
+    if (global_) {
+      const auto notion = [](std::string_view step) { fmt::print(stderr, "{}\n", step); };
+      return config_.debug.step_notion_to_cout ? global_->recognize(scene.cloud, notion) : global_->recognize(scene.cloud);
+    }
+    return scene.depth ? recognizer_->recognize(*scene.depth, *scene.intrinsics) : recognizer_->recognize(scene.cloud);
+  }
+
+  const Catalogue& catalogue() const { return global_ ? global_->catalogue() : recognizer_->catalogue(); }
+  const GlobalPipelineConfig& config() const { return config_; }
+
+ private:
+  GlobalPipelineConfig config_;
+  std::optional<GlobalPipeline> global_;
+  std::optional<Recognizer> recognizer_;
+};
+
+Json line_of(const fs::path& scene, const Recognition& recognition) {
+  const Result& result = recognition.result;
+  const bool found = recognition.accepted >= 0;
+  Json line;
+  line["scene"] = scene.string();
+  line["model_name"] = found ? Json(result.model_name) : Json(nullptr);
+  line["T_final"] = found ? to_json(result.T_final) : Json(nullptr);
+  line["match_distance"] = found ? to_json(result.match_distance) : Json(nullptr);
+  line["icp_fitness"] = found ? to_json(result.icp_fitness) : Json(nullptr);
+  if (found && recognition.candidates[recognition.accepted].score >= 0)
+    line["score"] = to_json(recognition.candidates[recognition.accepted].score);
+  if (!found) line["reason"] = recognition.reason;
+  line["time_ms"] = times_of(recognition.stages);
+  return line;
+}
+
+void print_for_people(const fs::path& scene, const Recognition& recognition) {
+  if (recognition.accepted < 0) {
+    fmt::print("{}: nothing recognized: {} ({:.0f} ms)\n", scene.string(), recognition.reason, recognition.total_ms());
+    return;
+  }
+  fmt::print("{}: {} ({:.0f} ms)\n", scene.string(), recognition.result.model_name, recognition.total_ms());
+  for (int row = 0; row < 4; ++row) {
+    const auto values = recognition.result.T_final.matrix().row(row);
+    fmt::print("  {:9.5f} {:9.5f} {:9.5f} {:10.3f}\n", values[0], values[1], values[2], values[3]);
+  }
+}
+
+/// The frame to draw on: the scene's own, or for a cloud one that covers it.
+ColourImage picture_of(const Scene& scene, const Recognition& recognition, const Catalogue& catalogue) {
+  std::optional<PlacedMesh> part;
+  if (recognition.accepted >= 0) {
+    const auto& candidate = recognition.candidates[recognition.accepted];
+    part.emplace(PlacedMesh{catalogue.parts[catalogue.views[candidate.view_row].part].mesh, candidate.camera_from_model});
+  }
+  if (scene.depth) return draw_overlay(*scene.depth, *scene.intrinsics, part);
+  const Intrinsics camera = intrinsics_covering(scene.cloud, 1.5 * angular_spacing_rad(scene.cloud), 10);
+  return draw_overlay(to_depth_image(scene.cloud, camera), camera, part);
+}
+
+int recognize_all(const RecognizeArguments& arguments, const Common& common) {
+  const AnyPipeline pipeline(arguments, terminal_progress(common.quiet));
+  std::optional<std::ofstream> jsonl;
+  if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
+  if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
+  int failed = 0;
+  for (const auto& path : arguments.scenes) {
+    try {
+      const Scene scene = read_scene(path, arguments.units == "m" ? 1000 : 1, arguments.camera);
+      const Recognition recognition = pipeline.recognize(scene);
+      if (jsonl) *jsonl << line_of(path, recognition).dump() << std::endl;
+      if (!common.quiet) print_for_people(path, recognition);
+      if (!arguments.output.empty())
+        write_iteration(arguments.output, recognition, scene.cloud, pipeline.catalogue(), pipeline.config());
+      if (!arguments.pictures.empty() && scene.cloud.size() > 1)
+        write_png(arguments.pictures / (path.stem().string() + ".png"),
+                  picture_of(scene, recognition, pipeline.catalogue()));
+    } catch (const Error& error) {
+      // One bad scene does not lose the others.
+      fmt::print(stderr, "partpose: {}\n", error.what());
+      if (jsonl) *jsonl << Json{{"scene", path.string()}, {"error", error.what()}}.dump() << std::endl;
+      ++failed;
+    }
+  }
+  if (jsonl && !*jsonl) throw Error("{}: could not be written completely: is the disk full?", arguments.jsonl.string());
+  return failed;
+}
+
+}  // namespace
+
+void add_recognize_command(CLI::App& app, const Common& common, int& failures) {
+  auto arguments = std::make_shared<RecognizeArguments>();
+  auto* recognize = app.add_subcommand("recognize", "Say which part each scene shows, and where it is");
+  recognize->add_option("scenes", arguments->scenes,
+                        "16-bit depth PNG (with NAME.camera.json or camera.json beside it), PCD or PLY")
+      ->required();
+  recognize->add_option("-m,--models", arguments->models,
+                        "STL files or folders of them; their catalogue is made on first use and kept");
+  recognize->add_option("-d,--dataset", arguments->dataset, "Dataset folder of the parts, instead of --models");
+  recognize->add_option("-c,--config", arguments->config,
+                        "Pipeline JSON: run exactly that pipeline on the dataset (default: nothing to configure)");
+  recognize->add_option("--camera", arguments->camera, "Camera JSON for all depth images");
+  recognize->add_option("--units", arguments->units, "Unit of clouds' coordinates: mm or m")
+      ->check(CLI::IsMember({"mm", "m"}))
+      ->capture_default_str();
+  recognize->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here (/dev/stdout for the terminal)");
+  recognize->add_option("--pictures", arguments->pictures, "Write a picture of each scene with the part drawn over it here");
+  recognize->add_option("-o,--output", arguments->output,
+                        "Write an iteration output folder for each scene here (see the configuration's \"debug\")");
+  recognize->add_option("--cache", arguments->cache, "Where catalogues of --models are kept (default: ~/.cache/partpose)");
+  recognize->footer(
+      "Examples:\n"
+      "  partpose recognize --models parts/ frame.png\n"
+      "  partpose recognize --models parts/ --jsonl results.jsonl --pictures pictures/ *.png *.ply\n"
+      "  partpose recognize --dataset dataset/ --config configs/pipeline_virtual.json --jsonl results.jsonl scene.pcd\n"
+      "A pose is camera_from_model, 4x4, in mm; camera frame: x right, y down, z forward.");
+  recognize->callback([arguments, &common, &failures] { failures += recognize_all(*arguments, common); });
+}
+
+}  // namespace partpose::apps

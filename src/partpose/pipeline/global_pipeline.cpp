@@ -87,7 +87,7 @@ Recognition GlobalPipeline::recognize(const PointCloud& scene,
 
   if (r.accepted >= 0) {
     const std::string timestamp = r.result.timestamp;
-    r.result = result_of(r.candidates[r.accepted]);
+    r.result = result_of(r.candidates[r.accepted], catalogue_);
     r.result.timestamp = timestamp;
   } else {
     r.reason = r.candidates.empty() ? "no descriptor could be computed"
@@ -168,16 +168,16 @@ int GlobalPipeline::verify(std::vector<Candidate>& candidates, const PointCloud&
   return -1;
 }
 
-Result GlobalPipeline::result_of(const Candidate& candidate) const {
-  const auto& view = catalogue_.views[candidate.view_row];
+Result result_of(const Candidate& candidate, const Catalogue& catalogue) {
+  const auto& view = catalogue.views[candidate.view_row];
   Result result;
   result.T_final = candidate.camera_from_model;
   result.candidate_id = candidate.id;
   result.icp_converged = candidate.icp_converged;
   result.icp_fitness = candidate.icp_fitness;
   result.match_distance = candidate.match_distance;
-  result.model_id = catalogue_.parts[view.part].id;
-  result.model_name = catalogue_.parts[view.part].name;
+  result.model_id = catalogue.parts[view.part].id;
+  result.model_name = catalogue.parts[view.part].name;
   result.view_id = view.id;
   return result;
 }

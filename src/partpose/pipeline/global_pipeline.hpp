@@ -25,6 +25,7 @@ struct Candidate {
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
   bool icp_converged = false;
   float icp_fitness = -1;  ///< mm
+  float score = -1;        ///< of render-and-compare, 0 to 1; -1: not rendered
   Verification verification;
   bool verified = false;  ///< false: a better candidate was accepted before this one's turn
 };
@@ -63,13 +64,15 @@ class GlobalPipeline {
   void coarse_align(std::vector<Candidate>& candidates, const PointCloud& scene, const KdTree& tree) const;
   void refine(std::vector<Candidate>& candidates, const PointCloud& scene, const KdTree& tree) const;
   int verify(std::vector<Candidate>& candidates, const PointCloud& scene) const;
-  Result result_of(const Candidate& candidate) const;
 
   Catalogue catalogue_;
   GlobalPipelineConfig config_;
   std::unique_ptr<GlobalDescriptor> descriptor_;
   std::vector<PointCloud> verification_models_;  ///< each part's surface at the verification's voxel size
 };
+
+/// What the candidate says, without a timestamp.
+Result result_of(const Candidate& candidate, const Catalogue& catalogue);
 
 /// Extras (C.2.3) of what happened.
 Extras extras_of(const Recognition& recognition, const Catalogue& catalogue);

@@ -4,17 +4,13 @@
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/pose.hpp"
-
-#include <Eigen/Eigenvalues>
+#include "partpose/registration/normal_equations.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace partpose {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 namespace {
 
@@ -57,23 +53,6 @@ Pairs find_pairs(const PointCloud& source, const PointCloud& target, const KdTre
   return pairs;
 }
 
-/// Solves in the directions that the pairs determine; the others stay 0. Rotations are scaled by the pairs' extent so
-/// that all six unknowns are lengths.
-Vector6d solve_determined(const Matrix6d& hessian, const Vector6d& gradient, double extent_mm) {
-  Vector6d scale;
-  scale << Eigen::Vector3d::Constant(1.0 / extent_mm), Eigen::Vector3d::Ones();
-  const Matrix6d scaled = scale.asDiagonal() * hessian * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scaled);
-  const double smallest = 1e-6 * solver.eigenvalues()[5];
-  Vector6d solution = Vector6d::Zero();
-  for (int k = 0; k < 6; ++k) {
-    if (!(solver.eigenvalues()[k] > smallest)) continue;
-    const Vector6d direction = solver.eigenvectors().col(k);
-    solution += direction * (direction.dot(scale.asDiagonal() * gradient) / solver.eigenvalues()[k]);
-  }
-  return scale.asDiagonal() * solution;
-}
-
 /// The motion that brings the source points (already at their present pose) nearer to their partners.
 Eigen::Isometry3d best_step(const PointCloud& source, const PointCloud& target, const std::vector<Pair>& pairs,
                             const Eigen::Isometry3d& target_from_source, bool symmetric) {
@@ -85,9 +64,7 @@ Eigen::Isometry3d best_step(const PointCloud& source, const PointCloud& target, 
   source_mean /= static_cast<double>(pairs.size());
   target_mean /= static_cast<double>(pairs.size());
 
-  Matrix6d hessian = Matrix6d::Zero();
-  Vector6d gradient = Vector6d::Zero();
-  double squared_extent = 0;
+  NormalEquations equations;
   const Eigen::Matrix3d rotation = target_from_source.linear();
   for (const auto& pair : pairs) {
     const Eigen::Vector3d p = target_from_source * source.points[pair.source].cast<double>() - source_mean;
@@ -101,15 +78,10 @@ Eigen::Isometry3d best_step(const PointCloud& source, const PointCloud& target, 
       n /= length;  // the same weight as one point-to-plane pair
       arm = p + q;
     }
-    Vector6d jacobian;
-    jacobian << arm.cross(n), n;
-    hessian += jacobian * jacobian.transpose();
-    gradient -= jacobian * (p - q).dot(n);
-    squared_extent += p.squaredNorm();
+    equations.add(arm, n, (p - q).dot(n), 1.0, p.squaredNorm());
   }
-  const double extent = std::sqrt(squared_extent / static_cast<double>(pairs.size()));
-  if (!(extent > 0)) return Eigen::Isometry3d::Identity();
-  const Vector6d solution = solve_determined(hessian, gradient, extent);
+  if (!(equations.squared_extent_mm2 > 0)) return Eigen::Isometry3d::Identity();
+  const Vector6d solution = equations.solve();
   const Eigen::Vector3d turn = solution.head<3>(), shift = solution.tail<3>();
 
   Eigen::Isometry3d step = Eigen::Isometry3d::Identity();

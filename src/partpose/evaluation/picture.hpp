@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/core/depth_image.hpp"
+#include "partpose/core/mesh.hpp"
+#include "partpose/io/png.hpp"
+
+#include <Eigen/Geometry>
+
+#include <optional>
+
+namespace partpose {
+
+struct PlacedMesh {
+  const TriangleMesh& mesh;
+  Eigen::Isometry3d camera_from_model;
+};
+
+/// The measured depth as a shaded relief (grey, black where nothing was measured) with the part drawn over it at its
+/// pose: shaded orange with a bright outline; red where it lies more than 5 mm before what was measured, blue where it
+/// lies more than 5 mm behind. Small frames are enlarged.
+ColourImage draw_overlay(const DepthImage& depth, const Intrinsics& camera, const std::optional<PlacedMesh>& part);
+
+}  // namespace partpose

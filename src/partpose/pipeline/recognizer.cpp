@@ -1,0 +1,357 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/pipeline/recognizer.hpp"
+
+#include "partpose/core/error.hpp"
+#include "partpose/core/parallel.hpp"
+#include "partpose/core/pose.hpp"
+#include "partpose/core/stopwatch.hpp"
+#include "partpose/geometry/distance_grid.hpp"
+#include "partpose/geometry/voxel_grid.hpp"
+#include "partpose/registration/projective_refinement.hpp"
+#include "partpose/verification/render_compare.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace partpose {
+
+namespace {
+
+/// A view at a pose, with a cost by which hypotheses of one stage are compared: the lower the better.
+struct Hypothesis {
+  int view_row = -1;
+  float match_distance = -1;
+  Eigen::Isometry3d scene_from_view = Eigen::Isometry3d::Identity();
+  double cost = 0;
+};
+
+/// The `count` of lowest cost, and besides them the best `per_part` of each part.
+std::vector<Hypothesis> best_of(std::vector<Hypothesis> all, std::size_t count, int per_part, const Catalogue& catalogue) {
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  std::vector<int> taken(catalogue.parts.size(), 0);
+  std::vector<Hypothesis> kept;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (taken[catalogue.views[all[i].view_row].part]++ < per_part || i < count) kept.push_back(all[i]);
+  return kept;
+}
+
+PointCloud about(const PointCloud& cloud, std::size_t points) {
+  return every_nth(cloud, std::max<std::size_t>(cloud.size() / points, 1));
+}
+
+double root_mean_square_radius(const PointCloud& cloud, const Eigen::Vector3d& centre) {
+  double sum = 0;
+  for (const auto& p : cloud.points) sum += (p.cast<double>() - centre).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(cloud.size(), 1)));
+}
+
+/// The neighbourhood of a segment, every `stride`-th pixel of the frame.
+LabelledDepth cut_out(const DepthImage& depth, const Intrinsics& camera, const Segment& segment, int wanted_pixels) {
+  std::vector<bool> is_object(depth.z_mm.size(), false);
+  int u0 = depth.width, u1 = -1, v0 = depth.height, v1 = -1;
+  for (const int p : segment.pixels) {
+    is_object[p] = true;
+    u0 = std::min(u0, p % depth.width), u1 = std::max(u1, p % depth.width);
+    v0 = std::min(v0, p / depth.width), v1 = std::max(v1, p / depth.width);
+  }
+  const int margin = std::max({(u1 - u0) / 4, (v1 - v0) / 4, 4});
+  const int stride = std::max(1, static_cast<int>(std::lround(
+                                     std::sqrt(static_cast<double>(segment.pixels.size()) / wanted_pixels))));
+  u0 -= margin, v0 -= margin;
+
+  LabelledDepth out;
+  out.camera.width = (u1 + margin - u0) / stride + 1;
+  out.camera.height = (v1 + margin - v0) / stride + 1;
+  out.camera.fx = camera.fx / stride;
+  out.camera.fy = camera.fy / stride;
+  out.camera.cx = (camera.cx - u0) / stride;
+  out.camera.cy = (camera.cy - v0) / stride;
+  out.depth = DepthImage(out.camera.width, out.camera.height);
+  out.label.assign(out.depth.z_mm.size(), PixelLabel::nothing);
+  for (int v = 0; v < out.depth.height; ++v) {
+    for (int u = 0; u < out.depth.width; ++u) {
+      const int full_u = u0 + u * stride, full_v = v0 + v * stride;
+      if (full_u < 0 || full_v < 0 || full_u >= depth.width || full_v >= depth.height) continue;
+      const float z = depth.at(full_u, full_v);
+      if (!(z > 0)) continue;
+      out.depth.at(u, v) = z;
+      out.label[static_cast<std::size_t>(v) * out.depth.width + u] =
+          is_object[static_cast<std::size_t>(full_v) * depth.width + full_u] ? PixelLabel::object : PixelLabel::background;
+    }
+  }
+  return out;
+}
+
+/// The depths of the object alone, for the refinement.
+DepthImage object_depth(const LabelledDepth& frame) {
+  DepthImage depth = frame.depth;
+  for (std::size_t p = 0; p < depth.z_mm.size(); ++p)
+    if (frame.label[p] != PixelLabel::object) depth.z_mm[p] = 0;
+  return depth;
+}
+
+class StageTimes {
+ public:
+  explicit StageTimes(std::vector<MeasuredOperation>& stages) : stages_(stages) {}
+  template <typename Body>
+  auto operator()(const char* name, const Body& body) {
+    struct Add {
+      StageTimes& times;
+      const char* name;
+      Stopwatch watch;
+      ~Add() { times.add(name, watch.elapsed_ms()); }
+    } const add{*this, name, {}};
+    return body();
+  }
+
+ private:
+  void add(const char* name, double ms) {
+    for (auto& stage : stages_)
+      if (stage.tag == name) {
+        stage.measure_ms += ms;
+        return;
+      }
+    stages_.push_back({ms, name});
+  }
+  std::vector<MeasuredOperation>& stages_;
+};
+
+}  // namespace
+
+struct Recognizer::Impl {
+  Catalogue catalogue;
+  RecognizerOptions options;
+  GlobalPipelineConfig config;
+  std::unique_ptr<GlobalDescriptor> descriptor;
+  std::vector<KdTree> view_trees;
+  std::vector<PointCloud> view_probes;  ///< some 60 points of each view
+  std::vector<double> view_radius_mm;   ///< root mean square distance from the centroid
+  SegmentationOptions segmentation;
+
+  /// One segment's clouds and what was found for it.
+  struct OfSegment {
+    PointCloud cloud, with_normals, refinement_scene;
+    std::vector<Candidate> candidates;  ///< best score first
+    double evidence = 0;                ///< pixels explained, less those that speak against it
+  };
+
+  OfSegment recognize(const DepthImage& depth, const Intrinsics& camera, const Segment& segment, StageTimes& time) const;
+  std::vector<Hypothesis> shortlist(const PointCloud& cloud) const;
+  std::vector<Hypothesis> turn(const std::vector<Hypothesis>& views, const PointCloud& scene) const;
+  void compare_both_ways(std::vector<Hypothesis>& hypotheses, const PointCloud& scene, const KdTree& tree) const;
+  void register_to(const PointCloud& scene, const KdTree& tree, std::vector<Hypothesis>& hypotheses) const;
+  Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
+};
+
+GlobalPipelineConfig Recognizer::catalogue_config() { return {}; }
+
+Recognizer::Recognizer(Catalogue catalogue, RecognizerOptions options) : impl_(std::make_unique<Impl>()) {
+  impl_->catalogue = std::move(catalogue);
+  impl_->options = options;
+  impl_->config = catalogue_config();
+  impl_->descriptor = make_global_descriptor(impl_->config.global_descriptor, impl_->config.descriptors);
+  const auto& views = impl_->catalogue.views;
+  for (const auto& view : views) {
+    impl_->view_trees.emplace_back(view.cloud.points);
+    impl_->view_probes.push_back(about(view.cloud, 60));
+    impl_->view_radius_mm.push_back(root_mean_square_radius(view.cloud, view.features.centroid_mm));
+  }
+  impl_->segmentation.largest_part_mm = 0;
+  impl_->segmentation.smallest_part_mm = std::numeric_limits<float>::infinity();
+  for (const auto& part : impl_->catalogue.parts) {
+    const auto diagonal = static_cast<float>(bounding_box_diagonal(part.mesh));
+    impl_->segmentation.largest_part_mm = std::max(impl_->segmentation.largest_part_mm, diagonal);
+    impl_->segmentation.smallest_part_mm = std::min(impl_->segmentation.smallest_part_mm, diagonal);
+  }
+}
+
+Recognizer::~Recognizer() = default;
+
+const Catalogue& Recognizer::catalogue() const { return impl_->catalogue; }
+
+Recognition Recognizer::recognize(const PointCloud& cloud) const {
+  const PointCloud finite = without_missing(cloud);
+  Recognition nothing;
+  nothing.result.timestamp = make_timestamp();
+  nothing.num_of_points_input = static_cast<int>(cloud.size());
+  if (finite.size() < static_cast<std::size_t>(impl_->segmentation.min_pixels)) {
+    nothing.reason = fmt::format("the scene has {} points, too few to recognize anything", finite.size());
+    return nothing;
+  }
+  // Pixels somewhat wider than the spacing of the points, so that a surface shows no holes.
+  const Intrinsics camera = intrinsics_covering(finite, 1.5 * angular_spacing_rad(finite));
+  Recognition recognition = recognize(to_depth_image(finite, camera), camera);
+  recognition.num_of_points_input = static_cast<int>(cloud.size());
+  return recognition;
+}
+
+Recognition Recognizer::recognize(const DepthImage& depth, const Intrinsics& camera) const {
+  Recognition r;
+  r.result.timestamp = make_timestamp();
+  r.num_of_points_input =
+      static_cast<int>(std::count_if(depth.z_mm.begin(), depth.z_mm.end(), [](float z) { return z > 0; }));
+  StageTimes time(r.stages);
+  const auto segments = time("segmentation", [&] { return segment(depth, camera, impl_->segmentation); });
+  if (segments.empty()) {
+    r.reason = "nothing of a part's size stands out from the table or the background";
+    return r;
+  }
+  double best_evidence = -std::numeric_limits<double>::infinity();
+  bool best_accepted = false;
+  for (const auto& segment : segments) {
+    auto of_segment = impl_->recognize(depth, camera, segment, time);
+    if (of_segment.candidates.empty()) continue;
+    const bool accepted = of_segment.candidates[0].score >= impl_->options.min_score;
+    if (accepted < best_accepted || (accepted == best_accepted && of_segment.evidence <= best_evidence)) continue;
+    best_accepted = accepted;
+    best_evidence = of_segment.evidence;
+    r.candidates = std::move(of_segment.candidates);
+    r.preprocessed = std::move(of_segment.cloud);
+    r.with_normals = std::move(of_segment.with_normals);
+    r.refinement_scene = std::move(of_segment.refinement_scene);
+  }
+  if (r.candidates.empty()) {
+    r.reason = "no segment has enough points with normals to be described";
+  } else if (!best_accepted) {
+    const auto& best = r.candidates[0];
+    r.reason = fmt::format("the best candidate, {}, scores {:.2f}, below {:.2f}",
+                           impl_->catalogue.parts[impl_->catalogue.views[best.view_row].part].name, best.score,
+                           impl_->options.min_score);
+  } else {
+    r.accepted = 0;
+    const std::string timestamp = r.result.timestamp;
+    r.result = result_of(r.candidates[0], impl_->catalogue);
+    r.result.timestamp = timestamp;
+  }
+  return r;
+}
+
+Recognizer::Impl::OfSegment Recognizer::Impl::recognize(const DepthImage& depth, const Intrinsics& camera,
+                                                        const Segment& segment, StageTimes& time) const {
+  OfSegment out;
+  time("preprocessing", [&] {
+    for (const int p : segment.pixels)
+      out.cloud.points.push_back(camera.unproject(p % depth.width, p / depth.width, depth.z_mm[p]));
+    out.cloud = voxel_grid(out.cloud, config.preprocessing.voxel_size);
+  });
+  time("normal_estimation", [&] { out.with_normals = with_normals(out.cloud, config.normal_estimation); });
+  if (out.with_normals.size() < static_cast<std::size_t>(segmentation.min_pixels)) return out;
+  out.refinement_scene = voxel_grid(out.with_normals, config.pose_refinement.voxel_size);
+  const PointCloud& scene = out.refinement_scene;
+  const KdTree tree(scene.points);
+
+  auto hypotheses = time("matching", [&] { return shortlist(out.with_normals); });
+  time("coarse_alignment", [&] {
+    hypotheses = best_of(turn(hypotheses, scene), 150, 8, catalogue);
+    compare_both_ways(hypotheses, scene, tree);
+    hypotheses = best_of(std::move(hypotheses), 24, 3, catalogue);
+  });
+  time("pose_refinement", [&] {
+    register_to(scene, tree, hypotheses);
+    hypotheses = best_of(std::move(hypotheses), 10, 1, catalogue);
+  });
+  time("hypothesis_verification", [&] {
+    const LabelledDepth coarse = cut_out(depth, camera, segment, 1500);
+    const DepthImage coarse_object = object_depth(coarse);
+    out.candidates.resize(hypotheses.size());
+    std::vector<double> evidence(hypotheses.size());
+    parallel_for(hypotheses.size(), [&](std::size_t i) {
+      Candidate candidate = candidate_of(hypotheses[i], static_cast<int>(i));
+      const auto& mesh = catalogue.parts[catalogue.views[candidate.view_row].part].mesh;
+      const auto refined =
+          refine_projectively(mesh, candidate.camera_from_model, coarse_object, coarse.camera, {.gate_mm = 10});
+      candidate.T4 = refined.camera_from_model * candidate.camera_from_model.inverse() * candidate.T4;
+      candidate.camera_from_model = refined.camera_from_model;
+      const auto comparison = render_and_compare(mesh, candidate.camera_from_model, coarse, {});
+      candidate.score = static_cast<float>(comparison.score());
+      candidate.icp_fitness = static_cast<float>(refined.rms_mm);
+      candidate.icp_converged = refined.pixels > 0;
+      candidate.verified = true;
+      candidate.verification.visible_model_points = comparison.both + comparison.free_space + comparison.nothing;
+      candidate.verification.unexplained_model_points = comparison.free_space;
+      candidate.verification.scene_points = comparison.both + comparison.unexplained;
+      candidate.verification.explained_scene_points = static_cast<int>(std::lround(comparison.explained));
+      candidate.verification.accepted = candidate.score >= options.min_score;
+      candidate.verification.reason = fmt::format("scores {:.2f}", candidate.score);
+      out.candidates[i] = std::move(candidate);
+    });
+    std::stable_sort(out.candidates.begin(), out.candidates.end(),
+                     [](const auto& a, const auto& b) { return a.score > b.score; });
+  });
+  const auto& best = out.candidates[0].verification;
+  out.evidence = out.candidates[0].score * static_cast<double>(segment.pixels.size()) * best.explained_scene_points /
+                 std::max(best.scene_points, 1);
+  return out;
+}
+
+std::vector<Hypothesis> Recognizer::Impl::shortlist(const PointCloud& cloud) const {
+  std::vector<Hypothesis> views;
+  for (const auto& description : descriptor->describe(cloud))
+    for (const auto& match : catalogue.index.nearest(description.histogram, options.shortlist_views))
+      views.push_back({catalogue.view_of_row[match.row], match.distance});
+  return views;
+}
+
+std::vector<Hypothesis> Recognizer::Impl::turn(const std::vector<Hypothesis>& views, const PointCloud& scene) const {
+  const Eigen::Vector3d centre = centroid(scene);
+  const Eigen::Matrix3d sight_from_scene = sight_frame(centre);
+  const double radius_mm = root_mean_square_radius(scene, centre);
+  const DistanceGrid distance(scene.points, static_cast<float>(0.5 * radius_mm));
+  std::vector<Hypothesis> turned(views.size() * options.rolls);
+  parallel_for(views.size(), [&](std::size_t i) {
+    const auto& view = catalogue.views[views[i].view_row];
+    const PointCloud& probes = view_probes[views[i].view_row];
+    const Eigen::Matrix3d sight_from_view = sight_frame(view.features.centroid_mm);
+    const double size_difference = std::abs(view_radius_mm[views[i].view_row] - radius_mm);
+    for (int k = 0; k < options.rolls; ++k) {
+      Hypothesis h = views[i];
+      const Eigen::AngleAxisd roll(2 * std::numbers::pi * k / options.rolls, Eigen::Vector3d::UnitZ());
+      h.scene_from_view.linear() = sight_from_scene.transpose() * roll.toRotationMatrix() * sight_from_view;
+      h.scene_from_view.translation() = centre - h.scene_from_view.linear() * view.features.centroid_mm;
+      const Eigen::Isometry3f pose = h.scene_from_view.cast<float>();
+      for (const auto& p : probes.points) h.cost += distance.at(pose * p);
+      h.cost = h.cost / static_cast<double>(std::max<std::size_t>(probes.size(), 1)) + 0.5 * size_difference;
+      turned[i * options.rolls + k] = h;
+    }
+  }, 8);
+  return turned;
+}
+
+void Recognizer::Impl::compare_both_ways(std::vector<Hypothesis>& hypotheses, const PointCloud& scene,
+                                         const KdTree& tree) const {
+  const PointCloud scene_probes = about(scene, 60);
+  parallel_for(hypotheses.size(), [&](std::size_t i) {
+    Hypothesis& h = hypotheses[i];
+    h.cost = mean_nearest_distance_mm(view_probes[h.view_row], h.scene_from_view, tree) +
+             mean_nearest_distance_mm(scene_probes, h.scene_from_view.inverse(), view_trees[h.view_row]);
+  });
+}
+
+void Recognizer::Impl::register_to(const PointCloud& scene, const KdTree& tree,
+                                   std::vector<Hypothesis>& hypotheses) const {
+  PoseRefinementOptions icp_options;
+  icp_options.max_iterations = 30;
+  icp_options.transformation_epsilon = 0.2f;
+  parallel_for(hypotheses.size(), [&](std::size_t i) {
+    Hypothesis& h = hypotheses[i];
+    const auto& view = catalogue.views[h.view_row];
+    const auto refined = icp(transformed(about(view.cloud, 250), h.scene_from_view), scene, tree, icp_options);
+    h.scene_from_view = refined.target_from_source * h.scene_from_view;
+  });
+  compare_both_ways(hypotheses, scene, tree);
+}
+
+Candidate Recognizer::Impl::candidate_of(const Hypothesis& hypothesis, int id) const {
+  const auto& view = catalogue.views[hypothesis.view_row];
+  Candidate candidate;
+  candidate.id = id;
+  candidate.view_row = hypothesis.view_row;
+  candidate.match_distance = hypothesis.match_distance;
+  candidate.T3 = hypothesis.scene_from_view;
+  candidate.camera_from_model = hypothesis.scene_from_view * view.T2 * catalogue.parts[view.part].T1;
+  return candidate;
+}
+
+}  // namespace partpose

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/core/depth_image.hpp"
+
+#include <vector>
+
+namespace partpose {
+
+struct SegmentationOptions {
+  float largest_part_mm = 300;  ///< diameter of the largest part that may be seen
+  float smallest_part_mm = 10;  ///< diameter of the smallest
+  int min_pixels = 60;          ///< a segment with fewer says nothing
+};
+
+/// Pixels (v * width + u) that may be one object, in rising order.
+struct Segment {
+  std::vector<int> pixels;
+  bool whole_frame = false;  ///< everything measured, as if there were no table
+};
+
+/// The angular distance of neighbouring points of a cloud taken from the origin, in rad: the pixel of a camera that
+/// would see about one point in each. Throws Error for fewer than two points before the camera.
+double angular_spacing_rad(const PointCloud& cloud);
+
+/// What may be single objects in a frame. Large planes (table, wall) are taken away, what is left is split where depth
+/// jumps, and what is too large or too small for any part is dropped. Where the whole frame is no larger than a part, it
+/// is a segment too: the frame may show a part without a table.
+std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, const SegmentationOptions& options);
+
+}  // namespace partpose

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/core/depth_image.hpp"
+#include "partpose/core/mesh.hpp"
+
+#include <Eigen/Geometry>
+
+namespace partpose {
+
+struct ProjectiveRefinementOptions {
+  float gate_mm = 10;      ///< pixels whose depths differ by more do not count
+  int max_iterations = 10;
+  float converged_mm = 0.02f;  ///< an iteration that moves the part's surface by less is the last
+};
+
+struct ProjectiveRefinement {
+  Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
+  int pixels = 0;     ///< that counted in the last iteration
+  double rms_mm = 0;  ///< of their point-to-plane distances
+};
+
+/// Moves a part so that its rendered surface meets the measured depth: each iteration renders the part, pairs each pixel's
+/// model point with the measured point of the same pixel (Blais and Levine 1995) and solves the point-to-plane objective
+/// (Chen and Medioni 1992) about the pairs' centre, with Tukey weights on the scale of the residuals seen.
+ProjectiveRefinement refine_projectively(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
+                                         const DepthImage& depth, const Intrinsics& camera,
+                                         const ProjectiveRefinementOptions& options);
+
+}  // namespace partpose
