@@ -628,8 +628,8 @@ whole units. Not modelled: fixed ripples and bends of a real unit, texture, shin
   Binary little-endian float32 x y z, mm, camera frame.
 - `gt.json`: `T` = camera_from_model, 4x4 row by row, mm; x right, y down, z forward. `scene` is relative to this
   folder. `gt_quality` `exact`: the pose that was rendered. `tolerance_mm`, `tolerance_deg`: a smaller difference is no
-  error, it is within the noise. `visible_fraction` as BOP's `visib_fract`. `verified_median_mm`: median distance of the part's
-  points to the mesh at `T`, computed from these files. `model` null: nothing of the catalogue is there.
+  error, it is within the noise. `visible_fraction` as BOP's `visib_fract`. `verified_median_mm`: median distance of the
+  part's points to the mesh at `T`, computed from these files. `model` null: nothing of the catalogue is there.
 - `symmetries.json`: keys of BOP's models_info for every part of `parts/`; `symmetries_discrete` without the identity.
   A pose is right when it is near any `T * S`. `symmetry_deviation_mm`: largest distance between surface and turned
   surface, measured on the mesh.

@@ -202,6 +202,7 @@ Extras extras_of(const Recognition& recognition, const Catalogue& catalogue) {
     out.num_of_points = view.num_of_points;
     out.num_of_points_refinement = static_cast<int>(view.cloud.size());
     out.view_id = view.id;
+    out.score = candidate.score;
     out.verdict = !candidate.verified               ? "not looked at: a candidate of better fitness was accepted"
                   : candidate.verification.accepted ? "accepted"
                                                     : candidate.verification.reason;

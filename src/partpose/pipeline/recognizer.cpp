@@ -37,6 +37,25 @@ std::vector<Hypothesis> best_of(std::vector<Hypothesis> all, std::size_t count, 
   return kept;
 }
 
+/// Without those that lie where a better one of the same part lies already, to a twentieth of the part's size.
+std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, const Catalogue& catalogue) {
+  std::vector<Hypothesis> kept;
+  const auto pose = [&](const Hypothesis& h) {
+    const auto& view = catalogue.views[h.view_row];
+    return h.scene_from_view * view.T2;  // of the part's centre
+  };
+  for (const auto& h : sorted) {
+    const int part = catalogue.views[h.view_row].part;
+    const double size_mm = bounding_box_diagonal(catalogue.parts[part].mesh);
+    const bool seen = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& k) {
+      return catalogue.views[k.view_row].part == part && translation_error_mm(pose(h), pose(k)) < 0.05 * size_mm &&
+             rotation_error_deg(pose(h), pose(k)) < 6;
+    });
+    if (!seen) kept.push_back(h);
+  }
+  return kept;
+}
+
 PointCloud about(const PointCloud& cloud, std::size_t points) {
   return every_nth(cloud, std::max<std::size_t>(cloud.size() / points, 1));
 }
@@ -48,15 +67,20 @@ double root_mean_square_radius(const PointCloud& cloud, const Eigen::Vector3d& c
 }
 
 /// The neighbourhood of a segment, every `stride`-th pixel of the frame.
-LabelledDepth cut_out(const DepthImage& depth, const Intrinsics& camera, const Segment& segment, int wanted_pixels) {
+/// Wide enough that the largest part shows wholly wherever it meets the segment.
+LabelledDepth cut_out(const DepthImage& depth, const Intrinsics& camera, const Segment& segment, float largest_part_mm,
+                      int wanted_pixels) {
   std::vector<bool> is_object(depth.z_mm.size(), false);
   int u0 = depth.width, u1 = -1, v0 = depth.height, v1 = -1;
+  double z_sum = 0;
   for (const int p : segment.pixels) {
+    z_sum += depth.z_mm[p];
     is_object[p] = true;
     u0 = std::min(u0, p % depth.width), u1 = std::max(u1, p % depth.width);
     v0 = std::min(v0, p / depth.width), v1 = std::max(v1, p / depth.width);
   }
-  const int margin = std::max({(u1 - u0) / 4, (v1 - v0) / 4, 4});
+  const double pixels_per_mm = std::max(camera.fx, camera.fy) * static_cast<double>(segment.pixels.size()) / z_sum;
+  const int margin = 4 + static_cast<int>(std::max(0.0, largest_part_mm * pixels_per_mm - std::min(u1 - u0, v1 - v0) / 2.0));
   const int stride = std::max(1, static_cast<int>(std::lround(
                                      std::sqrt(static_cast<double>(segment.pixels.size()) / wanted_pixels))));
   u0 -= margin, v0 -= margin;
@@ -134,7 +158,7 @@ struct Recognizer::Impl {
   struct OfSegment {
     PointCloud cloud, with_normals, refinement_scene;
     std::vector<Candidate> candidates;  ///< best score first
-    double evidence = 0;                ///< pixels explained, less those that speak against it
+    double evidence = 0;                ///< by which segments are compared: how well explained, and how large
   };
 
   OfSegment recognize(const DepthImage& depth, const Intrinsics& camera, const Segment& segment, StageTimes& time) const;
@@ -145,7 +169,12 @@ struct Recognizer::Impl {
   Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
 };
 
-GlobalPipelineConfig Recognizer::catalogue_config() { return {}; }
+GlobalPipelineConfig Recognizer::catalogue_config() {
+  GlobalPipelineConfig config;
+  config.debug.save_extras_json = true;
+  config.debug.save_point_clouds = true;
+  return config;
+}
 
 Recognizer::Recognizer(Catalogue catalogue, RecognizerOptions options) : impl_(std::make_unique<Impl>()) {
   impl_->catalogue = std::move(catalogue);
@@ -199,13 +228,10 @@ Recognition Recognizer::recognize(const DepthImage& depth, const Intrinsics& cam
     return r;
   }
   double best_evidence = -std::numeric_limits<double>::infinity();
-  bool best_accepted = false;
   for (const auto& segment : segments) {
     auto of_segment = impl_->recognize(depth, camera, segment, time);
     if (of_segment.candidates.empty()) continue;
-    const bool accepted = of_segment.candidates[0].score >= impl_->options.min_score;
-    if (accepted < best_accepted || (accepted == best_accepted && of_segment.evidence <= best_evidence)) continue;
-    best_accepted = accepted;
+    if (of_segment.evidence <= best_evidence) continue;
     best_evidence = of_segment.evidence;
     r.candidates = std::move(of_segment.candidates);
     r.preprocessed = std::move(of_segment.cloud);
@@ -214,7 +240,7 @@ Recognition Recognizer::recognize(const DepthImage& depth, const Intrinsics& cam
   }
   if (r.candidates.empty()) {
     r.reason = "no segment has enough points with normals to be described";
-  } else if (!best_accepted) {
+  } else if (r.candidates[0].score < impl_->options.min_score) {
     const auto& best = r.candidates[0];
     r.reason = fmt::format("the best candidate, {}, scores {:.2f}, below {:.2f}",
                            impl_->catalogue.parts[impl_->catalogue.views[best.view_row].part].name, best.score,
@@ -250,10 +276,11 @@ Recognizer::Impl::OfSegment Recognizer::Impl::recognize(const DepthImage& depth,
   });
   time("pose_refinement", [&] {
     register_to(scene, tree, hypotheses);
-    hypotheses = best_of(std::move(hypotheses), 10, 1, catalogue);
+    std::stable_sort(hypotheses.begin(), hypotheses.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    hypotheses = best_of(distinct(std::move(hypotheses), catalogue), 10, 1, catalogue);
   });
   time("hypothesis_verification", [&] {
-    const LabelledDepth coarse = cut_out(depth, camera, segment, 1500);
+    const LabelledDepth coarse = cut_out(depth, camera, segment, segmentation.largest_part_mm, 1500);
     const DepthImage coarse_object = object_depth(coarse);
     out.candidates.resize(hypotheses.size());
     std::vector<double> evidence(hypotheses.size());
@@ -280,9 +307,8 @@ Recognizer::Impl::OfSegment Recognizer::Impl::recognize(const DepthImage& depth,
     std::stable_sort(out.candidates.begin(), out.candidates.end(),
                      [](const auto& a, const auto& b) { return a.score > b.score; });
   });
-  const auto& best = out.candidates[0].verification;
-  out.evidence = out.candidates[0].score * static_cast<double>(segment.pixels.size()) * best.explained_scene_points /
-                 std::max(best.scene_points, 1);
+  const double score = out.candidates[0].score;
+  out.evidence = score * score * std::sqrt(static_cast<double>(segment.pixels.size()));
   return out;
 }
 

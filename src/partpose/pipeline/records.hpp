@@ -52,6 +52,7 @@ struct CandidateExtras {
   int num_of_points = 0;
   int num_of_points_refinement = 0;
   int view_id = -1;
+  float score = -1;
   std::string verdict;
 
   template <typename Self, typename Visit>
@@ -70,6 +71,7 @@ struct CandidateExtras {
     visit("num_of_points", self.num_of_points, "of the view in the dataset");
     visit("num_of_points_refinement", self.num_of_points_refinement, "of the view in the refinement");
     visit("view_id", self.view_id, "the view");
+    visit("score", self.score, "of render-and-compare, 0 to 1; -1: not rendered");
     visit("verdict", self.verdict, "\"accepted\", or why not");
   }
 };
@@ -98,7 +100,7 @@ struct MeasuredOperation {
   }
 };
 
-/// C.2.3, with `verdict` beside.
+/// C.2.3, with `score` and `verdict` beside.
 struct Extras {
   std::vector<CandidateExtras> candidate_extras;  ///< sorted by fitness
   SceneExtras scene_extras;

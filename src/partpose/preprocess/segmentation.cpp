@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -18,10 +19,20 @@ namespace {
 /// How far a segment may exceed the largest part, for noise and for what sticks to it.
 constexpr float size_margin = 1.25f;
 
+/// The largest width of the points along 13 directions: their diameter, less some per cent.
 float extent_mm(const std::vector<Eigen::Vector3f>& points, const std::vector<int>& indices) {
-  Eigen::AlignedBox3f box;
-  for (const int i : indices) box.extend(points[i]);
-  return box.isEmpty() ? 0.f : box.diagonal().norm();
+  float largest = 0;
+  for (int code = 14; code < 27; ++code) {  // one of each pair of opposite directions with entries -1, 0, 1
+    const Eigen::Vector3f direction = Eigen::Vector3f(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1).normalized();
+    float low = std::numeric_limits<float>::infinity(), high = -low;
+    for (const int i : indices) {
+      const float along = direction.dot(points[i]);
+      low = std::min(low, along);
+      high = std::max(high, along);
+    }
+    if (!indices.empty()) largest = std::max(largest, high - low);
+  }
+  return largest;
 }
 
 class UnionFind {
@@ -75,8 +86,8 @@ void remove_planes(const std::vector<Eigen::Vector3f>& points, std::vector<int>&
     std::vector<float> z;
     for (const auto& p : cloud.points) z.push_back(p.z());
     std::nth_element(z.begin(), z.begin() + static_cast<std::ptrdiff_t>(z.size() / 2), z.end());
-    // Stereo noise grows with the distance: 0.6 % is three deviations of a D400 camera at half a metre.
-    const float threshold = std::clamp(0.006f * z[z.size() / 2], 1.5f, 8.0f);
+    // Wide enough for the waves that a stereo camera sees on a flat table, about 1 % of the distance.
+    const float threshold = std::clamp(0.01f * z[z.size() / 2], 3.0f, 8.0f);
     const auto fit = fit_plane(cloud, {.distance_threshold_mm = threshold});
     if (!fit || static_cast<double>(fit->inliers.size()) < smallest_share * static_cast<double>(measured)) return;
     std::vector<int> inliers;
@@ -84,7 +95,7 @@ void remove_planes(const std::vector<Eigen::Vector3f>& points, std::vector<int>&
     if (round > 0 && extent_mm(points, inliers) < size_margin * largest_part_mm) return;
 
     // Cut by the noise that the plane shows, so that the feet of flat parts stay.
-    const double cut = std::clamp(3 * fit->rms_mm, 1.0, static_cast<double>(threshold));
+    const double cut = std::clamp(3 * fit->rms_mm, 1.5, static_cast<double>(threshold));
     std::erase_if(remaining, [&](int i) { return std::abs(fit->plane.signed_distance_mm(points[i])) <= cut; });
   }
 }

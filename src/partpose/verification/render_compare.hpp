@@ -28,7 +28,7 @@ struct LabelledDepth {
 
 struct RenderCompareOptions {
   float tolerance_mm = 4;        ///< a difference of so much in depth explains nothing any more
-  float nothing_cost = 0.5f;     ///< of a pixel where the part should be and nothing was measured: holes are common
+  float nothing_cost = 0.6f;     ///< of a pixel where the part should be and nothing was measured: holes are common
 };
 
 /// Pixels, each counted once. The cost of a pixel goes from 0 (depths agree) to 1 (they differ by the tolerance or more).
