@@ -11,6 +11,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 
 namespace partpose {
 
@@ -48,7 +49,7 @@ class UnionFind {
   std::vector<int> parent_;
 };
 
-/// Groups of pixels whose neighbours (up to two pixels away, to bridge holes) are near in space.
+/// Groups of neighbouring pixels that are near in space; holes of one pixel are bridged.
 std::vector<std::vector<int>> connected_pixels(const std::vector<int>& pixels, const DepthImage& depth,
                                                const Intrinsics& camera) {
   std::vector<int> slot(depth.z_mm.size(), -1);
@@ -60,10 +61,10 @@ std::vector<std::vector<int>> connected_pixels(const std::vector<int>& pixels, c
     const float z = depth.z_mm[pixels[i]];
     for (const auto& [du, dv] : {std::pair{1, 0}, {0, 1}, {1, 1}, {-1, 1}, {2, 0}, {0, 2}}) {
       if (u + du < 0 || u + du >= depth.width || v + dv >= depth.height) continue;
-      const int other = pixels[i] + dv * depth.width + du;
-      if (slot[other] < 0) continue;
-      // Surfaces up to about 75 degrees steep hold together; the jump from a part to what is behind it does not.
-      const double limit = 3.0 + 4.0 * z * pixel_rad * std::max(std::abs(du), std::abs(dv));
+      const int other = pixels[i] + dv * depth.width + du, between = pixels[i] + dv / 2 * depth.width + du / 2;
+      if (slot[other] < 0 || (between != pixels[i] && depth.z_mm[between] > 0)) continue;
+      // Surfaces up to about 70 degrees steep hold together; the jump from a part to what is behind it does not.
+      const double limit = 2.0 + 3.0 * z * pixel_rad * std::max(std::abs(du), std::abs(dv));
       if (std::abs(depth.z_mm[other] - z) <= limit) groups.join(static_cast<int>(i), slot[other]);
     }
   }
@@ -74,31 +75,135 @@ std::vector<std::vector<int>> connected_pixels(const std::vector<int>& pixels, c
   return out;
 }
 
-/// Takes the points of planes away from `remaining`: of the dominant one, which is the table if there is one, and of
-/// others that are too large to be a part's face.
-void remove_planes(const std::vector<Eigen::Vector3f>& points, std::vector<int>& remaining, float largest_part_mm) {
-  constexpr int most_planes = 4;
-  constexpr double smallest_share = 0.12;
-  const std::size_t measured = remaining.size();
-  for (int round = 0; round < most_planes && remaining.size() >= 3; ++round) {
-    PointCloud cloud;
-    for (const int i : remaining) cloud.points.push_back(points[i]);
-    std::vector<float> z;
-    for (const auto& p : cloud.points) z.push_back(p.z());
-    std::nth_element(z.begin(), z.begin() + static_cast<std::ptrdiff_t>(z.size() / 2), z.end());
-    // Wide enough for the waves that a stereo camera sees on a flat table, about 1 % of the distance.
-    const float threshold = std::clamp(0.01f * z[z.size() / 2], 3.0f, 8.0f);
-    const auto fit = fit_plane(cloud, {.distance_threshold_mm = threshold});
-    if (!fit || static_cast<double>(fit->inliers.size()) < smallest_share * static_cast<double>(measured)) return;
-    std::vector<int> inliers;
-    for (const int i : fit->inliers) inliers.push_back(remaining[i]);
-    if (round > 0 && extent_mm(points, inliers) < size_margin * largest_part_mm) return;
+/// Splits a frame's pixels into what may be single objects.
+class Splitter {
+  struct CutPlane {
+    Plane plane;
+    double cut_mm = 0;
+  };
 
-    // Cut by the noise that the plane shows, so that the feet of flat parts stay.
-    const double cut = std::clamp(3 * fit->rms_mm, 1.5, static_cast<double>(threshold));
-    std::erase_if(remaining, [&](int i) { return std::abs(fit->plane.signed_distance_mm(points[i])) <= cut; });
+ public:
+  Splitter(const DepthImage& depth, const Intrinsics& camera, const SegmentationOptions& options)
+      : depth_(depth), camera_(camera), options_(options), points_(depth.z_mm.size(), Eigen::Vector3f::Zero()) {
+    std::vector<int> measured;
+    for (int i = 0; i < static_cast<int>(depth.z_mm.size()); ++i) {
+      if (!(depth.z_mm[i] > 0)) continue;
+      points_[i] = camera.unproject(i % depth.width, i / depth.width, depth.z_mm[i]);
+      measured.push_back(i);
+    }
+    if (is_plausible(measured)) segments_.push_back({measured, true});
+    remove_plane_and_split(measured, 0);
+    add_pieces_together();
   }
-}
+
+  std::vector<Segment> take() {
+    std::stable_sort(segments_.begin(), segments_.end(),
+                     [](const auto& a, const auto& b) { return a.pixels.size() > b.pixels.size(); });
+    if (static_cast<int>(segments_.size()) > options_.most_segments) segments_.resize(options_.most_segments);
+    return std::move(segments_);
+  }
+
+ private:
+  bool is_plausible(const std::vector<int>& pixels) const {
+    if (static_cast<int>(pixels.size()) < options_.min_pixels) return false;
+    const float extent = extent_mm(points_, pixels);
+    if (extent > size_margin * options_.largest_part_mm || extent < 0.3f * options_.smallest_part_mm) return false;
+    // Even a plate seen edge-on covers a few per cent of its diameter's square.
+    const double smallest_px = options_.smallest_part_mm * camera_.fx / points_[pixels[pixels.size() / 2]].z();
+    return static_cast<double>(pixels.size()) >= 0.02 * smallest_px * smallest_px;
+  }
+
+  /// The dominant plane is the table, the wall or the floor, unless everything is no larger than a part. What is left
+  /// falls into pieces; those too large to be a part have a plane of their own taken away.
+  void remove_plane_and_split(const std::vector<int>& pixels, int level) {
+    constexpr int most_levels = 3;
+    if (level == most_levels || static_cast<int>(pixels.size()) < options_.min_pixels) return;
+    const auto plane = dominant_plane(pixels);
+    if (!plane) return;
+    std::vector<int> remaining, on_plane;
+    for (const int i : pixels)
+      (std::abs(plane->plane.signed_distance_mm(points_[i])) > plane->cut_mm ? remaining : on_plane).push_back(i);
+    // Taken away wherever it shows, also through a part's holes.
+    split(remaining, *plane, level);
+    if (level == 0) return;
+    // A lesser plane may hold a part's face by chance: once more, and only what is larger than a part is taken away.
+    const std::size_t without_patches = remaining.size();
+    for (const auto& patch : connected_pixels(on_plane, depth_, camera_))
+      if (extent_mm(points_, patch) <= size_margin * options_.largest_part_mm)
+        remaining.insert(remaining.end(), patch.begin(), patch.end());
+    if (remaining.size() == without_patches) return;
+    std::sort(remaining.begin(), remaining.end());
+    split(remaining, *plane, level);
+  }
+
+  void split(const std::vector<int>& remaining, const CutPlane& plane, int level) {
+    for (auto& piece : connected_pixels(remaining, depth_, camera_)) {
+      if (is_plausible(piece)) {
+        if (stands_out(piece, plane)) add({std::move(piece), false});
+      } else if (extent_mm(points_, piece) > size_margin * options_.largest_part_mm) {
+        remove_plane_and_split(piece, level + 1);
+      }
+    }
+  }
+
+  void add(Segment segment) {
+    const bool known = std::any_of(segments_.begin(), segments_.end(),
+                                   [&](const Segment& other) { return other.pixels == segment.pixels; });
+    if (!known) segments_.push_back(std::move(segment));
+  }
+
+  std::optional<CutPlane> dominant_plane(const std::vector<int>& pixels) const {
+    constexpr double smallest_share = 0.1;
+    PointCloud cloud;
+    std::vector<float> z;
+    for (const int i : pixels) {
+      cloud.points.push_back(points_[i]);
+      z.push_back(points_[i].z());
+    }
+    const auto middle = z.begin() + static_cast<std::ptrdiff_t>(z.size() / 2);
+    std::nth_element(z.begin(), middle, z.end());
+    // Wide enough for the waves that a stereo camera sees on a flat table, about 1 % of the distance.
+    const float threshold = std::clamp(0.01f * *middle, 3.0f, 50.0f);
+    const auto fit = fit_plane(cloud, {.distance_threshold_mm = threshold});
+    if (!fit || static_cast<double>(fit->inliers.size()) < smallest_share * static_cast<double>(pixels.size()))
+      return std::nullopt;
+    // Cut by the noise that the plane shows, so that the feet of flat parts stay.
+    return CutPlane{fit->plane, std::clamp(3 * fit->rms_mm, 1.5, static_cast<double>(threshold))};
+  }
+
+  /// Not just a wave of the plane that was taken away beside it.
+  bool stands_out(const std::vector<int>& pixels, const CutPlane& plane) const {
+    std::vector<double> distance;
+    for (const int i : pixels) distance.push_back(std::abs(plane.plane.signed_distance_mm(points_[i])));
+    const auto high = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() * 9 / 10);
+    std::nth_element(distance.begin(), high, distance.end());
+    return *high > 1.7 * plane.cut_mm;
+  }
+
+  /// A part that the camera sees in several pieces: those near the largest one.
+  void add_pieces_together() {
+    const Segment* largest = nullptr;
+    for (const auto& segment : segments_)
+      if (!segment.whole_frame && (!largest || segment.pixels.size() > largest->pixels.size())) largest = &segment;
+    if (!largest) return;
+    std::vector<int> together = largest->pixels;
+    for (const auto& segment : segments_) {
+      if (segment.whole_frame || &segment == largest) continue;
+      std::vector<int> larger = together;
+      larger.insert(larger.end(), segment.pixels.begin(), segment.pixels.end());
+      if (is_plausible(larger)) together = std::move(larger);
+    }
+    if (together.size() == largest->pixels.size()) return;
+    std::sort(together.begin(), together.end());
+    segments_.push_back({std::move(together), false});
+  }
+
+  const DepthImage& depth_;
+  const Intrinsics& camera_;
+  const SegmentationOptions& options_;
+  std::vector<Eigen::Vector3f> points_;
+  std::vector<Segment> segments_;
+};
 
 }  // namespace
 
@@ -120,40 +225,7 @@ double angular_spacing_rad(const PointCloud& cloud) {
 }
 
 std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, const SegmentationOptions& options) {
-  std::vector<Eigen::Vector3f> points(depth.z_mm.size(), Eigen::Vector3f::Zero());
-  std::vector<int> measured;
-  for (int v = 0; v < depth.height; ++v) {
-    for (int u = 0; u < depth.width; ++u) {
-      const int i = v * depth.width + u;
-      if (!(depth.z_mm[i] > 0)) continue;
-      points[i] = camera.unproject(u, v, depth.z_mm[i]);
-      measured.push_back(i);
-    }
-  }
-  const auto plausible = [&](const std::vector<int>& pixels) {
-    if (static_cast<int>(pixels.size()) < options.min_pixels) return false;
-    const float extent = extent_mm(points, pixels);
-    return extent <= size_margin * options.largest_part_mm && extent >= 0.25f * options.smallest_part_mm;
-  };
-
-  std::vector<Segment> segments;
-  if (plausible(measured)) segments.push_back({measured, true});
-  std::vector<int> remaining = measured;
-  remove_planes(points, remaining, options.largest_part_mm);
-  std::vector<int> all_plausible;
-  int pieces = 0;
-  for (auto& group : connected_pixels(remaining, depth, camera)) {
-    if (!plausible(group)) continue;
-    ++pieces;
-    all_plausible.insert(all_plausible.end(), group.begin(), group.end());
-    segments.push_back({std::move(group), false});
-  }
-  // A part that the camera sees in several pieces.
-  if (pieces > 1 && plausible(all_plausible)) {
-    std::sort(all_plausible.begin(), all_plausible.end());
-    segments.push_back({std::move(all_plausible), false});
-  }
-  return segments;
+  return Splitter(depth, camera, options).take();
 }
 
 }  // namespace partpose

@@ -12,6 +12,7 @@ struct SegmentationOptions {
   float largest_part_mm = 300;  ///< diameter of the largest part that may be seen
   float smallest_part_mm = 10;  ///< diameter of the smallest
   int min_pixels = 60;          ///< a segment with fewer says nothing
+  int most_segments = 16;       ///< in a cluttered frame the largest are kept
 };
 
 /// Pixels (v * width + u) that may be one object, in rising order.
@@ -26,7 +27,7 @@ double angular_spacing_rad(const PointCloud& cloud);
 
 /// What may be single objects in a frame. Large planes (table, wall) are taken away, what is left is split where depth
 /// jumps, and what is too large or too small for any part is dropped. Where the whole frame is no larger than a part, it
-/// is a segment too: the frame may show a part without a table.
+/// is a segment too: the frame may show a part without a table. Largest first.
 std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, const SegmentationOptions& options);
 
 }  // namespace partpose
