@@ -116,6 +116,10 @@ DepthImage object_depth(const LabelledDepth& frame) {
   return depth;
 }
 
+void sort_by_score(std::vector<Candidate>& candidates) {
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+}
+
 class StageTimes {
  public:
   explicit StageTimes(std::vector<MeasuredOperation>& stages) : stages_(stages) {}
@@ -167,6 +171,15 @@ struct Recognizer::Impl {
   void compare_both_ways(std::vector<Hypothesis>& hypotheses, const PointCloud& scene, const KdTree& tree) const;
   void register_to(const PointCloud& scene, const KdTree& tree, std::vector<Hypothesis>& hypotheses) const;
   Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
+  /// Moves a candidate to where its rendering meets `depth`, a depth image of the frame's camera.
+  void fit_to_depth(Candidate& candidate, const LabelledDepth& frame, const DepthImage& depth) const;
+  RenderComparison compare(const Candidate& candidate, const LabelledDepth& frame,
+                           const RenderCompareOptions& compare_options) const;
+  /// Orders the candidates, given by falling score, for good, and gives each its verdict.
+  void decide(std::vector<Candidate>& candidates, const LabelledDepth& frame) const;
+  const TriangleMesh& mesh_of(const Candidate& candidate) const {
+    return catalogue.parts[catalogue.views[candidate.view_row].part].mesh;
+  }
 };
 
 GlobalPipelineConfig Recognizer::catalogue_config() {
@@ -281,35 +294,70 @@ Recognizer::Impl::OfSegment Recognizer::Impl::recognize(const DepthImage& depth,
   });
   time("hypothesis_verification", [&] {
     const LabelledDepth coarse = cut_out(depth, camera, segment, segmentation.largest_part_mm, 1500);
-    const DepthImage coarse_object = object_depth(coarse);
     out.candidates.resize(hypotheses.size());
-    std::vector<double> evidence(hypotheses.size());
     parallel_for(hypotheses.size(), [&](std::size_t i) {
-      Candidate candidate = candidate_of(hypotheses[i], static_cast<int>(i));
-      const auto& mesh = catalogue.parts[catalogue.views[candidate.view_row].part].mesh;
-      const auto refined =
-          refine_projectively(mesh, candidate.camera_from_model, coarse_object, coarse.camera, {.gate_mm = 10});
-      candidate.T4 = refined.camera_from_model * candidate.camera_from_model.inverse() * candidate.T4;
-      candidate.camera_from_model = refined.camera_from_model;
-      const auto comparison = render_and_compare(mesh, candidate.camera_from_model, coarse, {});
-      candidate.score = static_cast<float>(comparison.score());
-      candidate.icp_fitness = static_cast<float>(refined.rms_mm);
-      candidate.icp_converged = refined.pixels > 0;
-      candidate.verified = true;
-      candidate.verification.visible_model_points = comparison.both + comparison.free_space + comparison.nothing;
-      candidate.verification.unexplained_model_points = comparison.free_space;
-      candidate.verification.scene_points = comparison.both + comparison.unexplained;
-      candidate.verification.explained_scene_points = static_cast<int>(std::lround(comparison.explained));
-      candidate.verification.accepted = candidate.score >= options.min_score;
-      candidate.verification.reason = fmt::format("scores {:.2f}", candidate.score);
-      out.candidates[i] = std::move(candidate);
+      out.candidates[i] = candidate_of(hypotheses[i], static_cast<int>(i));
+      fit_to_depth(out.candidates[i], coarse, object_depth(coarse));
+      out.candidates[i].score = static_cast<float>(compare(out.candidates[i], coarse, {}).score());
     });
-    std::stable_sort(out.candidates.begin(), out.candidates.end(),
-                     [](const auto& a, const auto& b) { return a.score > b.score; });
+    sort_by_score(out.candidates);
   });
+  time("decision", [&] { decide(out.candidates, cut_out(depth, camera, segment, segmentation.largest_part_mm, 6000)); });
   const double score = out.candidates[0].score;
   out.evidence = score * score * std::sqrt(static_cast<double>(segment.pixels.size()));
   return out;
+}
+
+void Recognizer::Impl::fit_to_depth(Candidate& candidate, const LabelledDepth& frame, const DepthImage& depth) const {
+  const auto refined =
+      refine_projectively(mesh_of(candidate), candidate.camera_from_model, depth, frame.camera, {.gate_mm = 10});
+  candidate.T4 = refined.camera_from_model * candidate.camera_from_model.inverse() * candidate.T4;
+  candidate.camera_from_model = refined.camera_from_model;
+  candidate.icp_fitness = static_cast<float>(refined.rms_mm);
+  candidate.icp_converged = refined.pixels > 0;
+}
+
+RenderComparison Recognizer::Impl::compare(const Candidate& candidate, const LabelledDepth& frame,
+                                           const RenderCompareOptions& compare_options) const {
+  return render_and_compare(mesh_of(candidate), candidate.camera_from_model, frame, compare_options);
+}
+
+void Recognizer::Impl::decide(std::vector<Candidate>& candidates, const LabelledDepth& frame) const {
+  // Those that may be right are looked at more closely: more pixels, and a tolerance of three deviations of the noise
+  // that the best of them leaves, which tells look-alikes apart.
+  constexpr float contender_share = 0.75f;
+  std::size_t contenders = 0;
+  while (contenders < candidates.size() && candidates[contenders].score >= contender_share * candidates[0].score)
+    ++contenders;
+  float noise_mm = std::numeric_limits<float>::infinity();
+  for (std::size_t i = 0; i < contenders; ++i) noise_mm = std::min(noise_mm, candidates[i].icp_fitness);
+  const RenderCompareOptions close{.tolerance_mm = std::clamp(3 * noise_mm, 1.5f, 4.0f)};
+
+  std::vector<std::pair<double, std::size_t>> close_score(contenders);
+  std::vector<RenderComparison> comparison(contenders);
+  parallel_for(contenders, [&](std::size_t i) {
+    Candidate& candidate = candidates[i];
+    fit_to_depth(candidate, frame, object_depth(frame));
+    // What the segmentation lost of the part helps the pose, unless it is not the part.
+    Candidate wider = candidate;
+    fit_to_depth(wider, frame, frame.depth);
+    if (compare(wider, frame, close).score() > compare(candidate, frame, close).score()) candidate = wider;
+    close_score[i] = {-compare(candidate, frame, close).score(), i};
+    comparison[i] = compare(candidate, frame, {});
+  });
+  std::sort(close_score.begin(), close_score.end());
+  std::vector<Candidate> decided;
+  for (const auto& [negative_score, i] : close_score) {
+    candidates[i].score = static_cast<float>(comparison[i].score());
+    decided.push_back(candidates[i]);
+  }
+  decided.insert(decided.end(), candidates.begin() + static_cast<std::ptrdiff_t>(contenders), candidates.end());
+  candidates = std::move(decided);
+  for (auto& candidate : candidates) {
+    candidate.verified = true;
+    candidate.verification.accepted = candidate.score >= options.min_score;
+    candidate.verification.reason = fmt::format("scores {:.2f}", candidate.score);
+  }
 }
 
 std::vector<Hypothesis> Recognizer::Impl::shortlist(const PointCloud& cloud) const {

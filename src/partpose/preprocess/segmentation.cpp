@@ -91,7 +91,10 @@ class Splitter {
       points_[i] = camera.unproject(i % depth.width, i / depth.width, depth.z_mm[i]);
       measured.push_back(i);
     }
-    if (is_plausible(measured)) segments_.push_back({measured, true});
+    if (is_plausible(measured)) {
+      segments_.push_back({measured, true});
+      if (!stands_on_table(measured)) return;
+    }
     remove_plane_and_split(measured, 0);
     add_pieces_together();
   }
@@ -169,6 +172,20 @@ class Splitter {
       return std::nullopt;
     // Cut by the noise that the plane shows, so that the feet of flat parts stay.
     return CutPlane{fit->plane, std::clamp(3 * fit->rms_mm, 1.5, static_cast<double>(threshold))};
+  }
+
+  /// Objects on a table lie on the camera's side of its plane; where the dominant plane is a part's own face, the rest of
+  /// the part lies behind it.
+  bool stands_on_table(const std::vector<int>& pixels) const {
+    const auto plane = dominant_plane(pixels);
+    if (!plane) return false;
+    int before = 0, behind = 0;
+    for (const int i : pixels) {
+      const double distance = plane->plane.signed_distance_mm(points_[i]);
+      before += distance > plane->cut_mm;
+      behind += distance < -plane->cut_mm;
+    }
+    return before > 3 * behind;
   }
 
   /// Not just a wave of the plane that was taken away beside it.

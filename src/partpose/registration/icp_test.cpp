@@ -23,7 +23,7 @@ PoseRefinementOptions exact_options(bool symmetric) {
 
 struct Case {
   PointCloud source, target;
-  Eigen::Isometry3d target_from_source;  ///< the truth
+  Eigen::Isometry3d target_from_source = Eigen::Isometry3d::Identity();  ///< the truth, where there is one
 };
 
 /// The surface of a part somewhere in space, and some of its points moved away by at most so much.
@@ -136,14 +136,33 @@ TEST(Icp, DoesNotDependOnTheFrame) {
   }
 }
 
-/// Points of a cylinder's side, of length `height` about z, with normals.
-PointCloud cylinder_side(Random& random, int count, double radius, double height) {
+// --- Shapes that leave directions free -----------------------------------------------------------------------------
+
+constexpr double cylinder_radius = 20;
+
+/// Points of a cylinder's side about z, in rings 2.5 mm apart, with normals.
+PointCloud cylinder_rings(int rings) {
+  PointCloud cloud;
+  for (int r = 0; r < rings; ++r) {
+    for (int s = 0; s < 48; ++s) {
+      const double azimuth = 2 * std::numbers::pi * s / 48;
+      const Eigen::Vector3d normal(std::cos(azimuth), std::sin(azimuth), 0);
+      cloud.points.push_back(
+          (cylinder_radius * normal + Eigen::Vector3d(0, 0, 2.5 * (r - 0.5 * (rings - 1)))).cast<float>());
+      cloud.normals.push_back(normal.cast<float>());
+    }
+  }
+  return cloud;
+}
+
+/// The same at random places of a length.
+PointCloud cylinder_side(Random& random, int count, double length) {
   PointCloud cloud;
   for (int i = 0; i < count; ++i) {
     const double azimuth = between(random, 0, 2 * std::numbers::pi);
     const Eigen::Vector3d normal(std::cos(azimuth), std::sin(azimuth), 0);
-    const double z = between(random, -height / 2, height / 2);
-    cloud.points.push_back((radius * normal + Eigen::Vector3d(0, 0, z)).cast<float>());
+    const double z = between(random, -length / 2, length / 2);
+    cloud.points.push_back((cylinder_radius * normal + Eigen::Vector3d(0, 0, z)).cast<float>());
     cloud.normals.push_back(normal.cast<float>());
   }
   return cloud;
@@ -159,65 +178,105 @@ PointCloud ball(Random& random, int count, double radius) {
   return cloud;
 }
 
-TEST(Icp, DoesNotTurnAndPushACylinderAlongItsFreeDirections) {
+double turn_about_z_deg(const Eigen::Isometry3d& motion) {
+  return degrees(std::atan2(motion.linear()(1, 0), motion.linear()(0, 0)));
+}
+
+TEST(Icp, DoesNotPushACylinderAlongItsAxis) {
+  // Pushed by less than the points' spacing, so that each point's partner is the one it was made from.
+  for (const bool symmetric : {true, false}) {
+    const auto result = run({transformed(cylinder_rings(11), Eigen::Isometry3d(Eigen::Translation3d(0.3, -0.2, 0.5))),
+                             cylinder_rings(41), Eigen::Isometry3d::Identity()},
+                            exact_options(symmetric));
+    EXPECT_TRUE(result.converged);
+    EXPECT_LT(rotation_error_deg(result.target_from_source, Eigen::Isometry3d::Identity()), 1e-3);
+    EXPECT_LT((result.target_from_source.translation() - Eigen::Vector3d(-0.3, 0.2, 0)).head<2>().norm(), 1e-3)
+        << "across the axis the pairs say where it belongs";
+    EXPECT_NEAR(result.target_from_source.translation().z(), 0, 1e-3) << "along the axis nothing does";
+  }
+}
+
+TEST(Icp, DoesNotTurnACylinderAboutItsAxis) {
+  // The symmetric objective alone: the planes of point-to-plane pairs resist a turn to second order.
+  const Eigen::Isometry3d turned(Eigen::Translation3d(0.3, -0.2, 0) *
+                                 Eigen::AngleAxisd(radians(1), Eigen::Vector3d::UnitZ()));
+  const auto result = run({transformed(cylinder_rings(11), turned), cylinder_rings(41), Eigen::Isometry3d::Identity()},
+                          exact_options(true));
+  EXPECT_TRUE(result.converged);
+  const Eigen::Isometry3d left = result.target_from_source * turned;
+  EXPECT_NEAR(turn_about_z_deg(left), 1, 1e-2);
+  EXPECT_LT(left.translation().head<2>().norm(), 1e-3);
+}
+
+TEST(Icp, CylindersAxesMeet) {
+  // Points at random: partners are not exact, and the free directions may drift a little, but not run away.
   Random random(11);
   for (const bool symmetric : {true, false}) {
     for (int round = 0; round < 5; ++round) {
-      Case c;
       const auto pose = random_pose(random, {50, 20, 600});
-      c.target = transformed(cylinder_side(random, 6000, 20, 100), pose);
-      // The shorter middle part, tilted and pushed off the axis; turned and pushed along the axis too, which nobody can
-      // tell.
       const Eigen::Isometry3d tilt(Eigen::Translation3d(1, -0.7, 0) *
                                    Eigen::AngleAxisd(radians(2), Eigen::Vector3d(1, 2, 0).normalized()));
-      c.source = transformed(cylinder_side(random, 400, 20, 60), pose * tilt);
-      const auto result = run(c, exact_options(symmetric));
+      const auto result = run({transformed(cylinder_side(random, 400, 60), pose * tilt),
+                               transformed(cylinder_side(random, 6000, 100), pose), Eigen::Isometry3d::Identity()},
+                              exact_options(symmetric));
       const Eigen::Isometry3d motion = pose.inverse() * result.target_from_source * pose * tilt;
-      const Eigen::Vector3d axis = motion.linear().col(2);
-      EXPECT_LT(angle_deg(axis, Eigen::Vector3d::UnitZ()), 0.1);
-      EXPECT_LT(motion.translation().head<2>().norm(), 0.05) << "the axes must meet";
-      EXPECT_LT(std::abs(motion.translation().z()), 0.3) << "pushed along the axis";
-      EXPECT_LT(degrees(std::abs(std::atan2(motion.linear()(1, 0), motion.linear()(0, 0)))), 1)
-          << "turned about the axis";
+      EXPECT_LT(angle_deg(motion.linear().col(2), Eigen::Vector3d::UnitZ()), 0.1);
+      EXPECT_LT(motion.translation().head<2>().norm(), 0.05);
+      EXPECT_LT(std::abs(motion.translation().z()), 3);
+      EXPECT_LT(std::abs(turn_about_z_deg(motion)), 5);
     }
   }
 }
 
-TEST(Icp, DoesNotTurnABall) {
+TEST(Icp, DoesNotTurnABallWhosePartnersAreKnown) {
+  PointCloud target;
+  for (const auto& vertex : sphere(30, 24, 12).vertices) {
+    target.points.push_back(vertex);
+    target.normals.push_back(vertex.normalized());
+  }
+  const Eigen::Isometry3d turned(Eigen::Translation3d(0.2, -0.1, 0.3) *
+                                 Eigen::AngleAxisd(radians(0.5), Eigen::Vector3d(1, 2, 3).normalized()));
+  const auto result = run({transformed(target, turned), target, Eigen::Isometry3d::Identity()}, exact_options(true));
+  EXPECT_TRUE(result.converged);
+  const Eigen::Isometry3d left = result.target_from_source * turned;
+  EXPECT_LT(left.translation().norm(), 2e-3);
+  EXPECT_LT(rotation_error_deg(left, Eigen::Isometry3d(turned.linear())), 2e-2);
+}
+
+TEST(Icp, CentresOfBallsMeet) {
   Random random(12);
   for (const bool symmetric : {true, false}) {
     for (int round = 0; round < 5; ++round) {
       const Eigen::Isometry3d pose(Eigen::Translation3d(50, 20, 600)), pushed(Eigen::Translation3d(51.5, 19, 602));
-      Case c;
-      c.target = transformed(ball(random, 6000, 30), pose);
-      c.source = transformed(ball(random, 400, 30), pushed);
-      const auto result = run(c, exact_options(symmetric));
+      const auto result = run({transformed(ball(random, 400, 30), pushed), transformed(ball(random, 6000, 30), pose),
+                               Eigen::Isometry3d::Identity()},
+                              exact_options(symmetric));
       EXPECT_LT((result.target_from_source * pushed.translation() - pose.translation()).norm(), 0.05);
-      EXPECT_LT(rotation_error_deg(result.target_from_source, Eigen::Isometry3d::Identity()), 1);
+      EXPECT_LT(rotation_error_deg(result.target_from_source, Eigen::Isometry3d::Identity()), 5);
     }
   }
 }
 
 TEST(Icp, APlaneLeavesThreeDirectionsAlone) {
-  // All pairs exact in one plane: no turn about the normal, no shift within the plane.
+  // Neither a turn about the normal nor a shift within the plane.
   Random random(13);
   for (const bool symmetric : {true, false}) {
-    Case c;
-    const Eigen::Isometry3d at(Eigen::Translation3d(0, 0, 600));
-    c.target = transformed(surface_points(plane_patch(200, 200), 6000, random), at);
-    c.source = transformed(surface_points(plane_patch(80, 80), 400, random),
-                           Eigen::Isometry3d(Eigen::Translation3d(0, 0, 602) *
-                                             Eigen::AngleAxisd(radians(2), Eigen::Vector3d(1, 2, 0).normalized())));
-    const auto result = run(c, exact_options(symmetric));
+    const auto target = transformed(surface_points(plane_patch(200, 200), 6000, random),
+                                    Eigen::Isometry3d(Eigen::Translation3d(0, 0, 600)));
+    const auto source =
+        transformed(surface_points(plane_patch(80, 80), 400, random),
+                    Eigen::Isometry3d(Eigen::Translation3d(0, 0, 602) *
+                                      Eigen::AngleAxisd(radians(2), Eigen::Vector3d(1, 2, 0).normalized())));
+    const auto result = run({source, target, Eigen::Isometry3d::Identity()}, exact_options(symmetric));
     EXPECT_TRUE(result.converged);
-    for (const auto& p : c.source.points) EXPECT_NEAR((result.target_from_source * p.cast<double>()).z(), 600, 1e-3);
-    EXPECT_LT(std::abs(degrees(
-                  std::atan2(result.target_from_source.linear()(1, 0), result.target_from_source.linear()(0, 0)))),
-              0.2);
+    for (const auto& p : source.points) EXPECT_NEAR((result.target_from_source * p.cast<double>()).z(), 600, 1e-3);
+    EXPECT_LT(std::abs(turn_about_z_deg(result.target_from_source)), 0.2);
     const Eigen::Vector3d middle(0, 0, 602);
     EXPECT_LT((result.target_from_source * middle - middle).head<2>().norm(), 0.2);
   }
 }
+
+// --- What is not enough ---------------------------------------------------------------------------------------------
 
 TEST(Icp, FewerThanSixPairsDoNotConverge) {
   Random random(14);
@@ -292,7 +351,8 @@ TEST(Icp, FarPairsDoNotCount) {
       EXPECT_LT(rotation_error_deg(gated.target_from_source, c.target_from_source), 1e-2);
       auto options = exact_options(symmetric);
       options.correspondence_gate_factor = 0;
-      EXPECT_EQ(run(c, options).pairs >= gated.pairs, true);
+      EXPECT_GT(rotation_error_deg(run(c, options).target_from_source, c.target_from_source),
+                rotation_error_deg(gated.target_from_source, c.target_from_source));
     }
   }
 }

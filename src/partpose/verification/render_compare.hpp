@@ -27,19 +27,21 @@ struct LabelledDepth {
 };
 
 struct RenderCompareOptions {
-  float tolerance_mm = 4;        ///< a difference of so much in depth explains nothing any more
-  float nothing_cost = 0.6f;     ///< of a pixel where the part should be and nothing was measured: holes are common
+  float tolerance_mm = 4;      ///< a difference of so much in depth explains nothing any more
+  float nothing_cost = 0.6f;   ///< of a pixel where the part should be and nothing was measured: holes are common
+  float hidden_cost = 0.2f;    ///< of a pixel where the part would be behind the background: it may be, but who knows
 };
 
-/// Pixels, each counted once. The cost of a pixel goes from 0 (depths agree) to 1 (they differ by the tolerance or more).
+/// Counts of pixels, in both directions. The cost of a pixel goes from 0 (depths agree) to 1 (they differ by the tolerance
+/// or more); a pixel may agree with any of its eight neighbours too, since a stereo camera fattens edges.
 struct RenderComparison {
-  int both = 0;        ///< pixels of the object where the part is rendered
-  int free_space = 0;  ///< the part before a background that was seen: it cannot be there
-  int hidden = 0;      ///< the part behind or at the background: cannot be judged
-  int nothing = 0;     ///< the part where nothing was measured
-  int unexplained = 0; ///< pixels of the object where no part is rendered
-  double cost = 0;     ///< sum over all pixels that can be judged
-  double explained = 0;
+  int model = 0;         ///< pixels where the part is rendered
+  int free_space = 0;    ///< of them: before a background that was seen; the part cannot be there
+  int hidden = 0;        ///< of them: behind or at the background
+  int nothing = 0;       ///< of them: nothing was measured
+  int object = 0;        ///< pixels of the object
+  int unexplained = 0;   ///< of them: no part is rendered at or beside them
+  double cost = 0;       ///< sum over both directions
 
   /// 1: the part explains all of the object and the object all of the part; 0: nothing in common.
   double score() const;
