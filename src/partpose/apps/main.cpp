@@ -39,7 +39,8 @@ int main(int argc, char** argv) {
       "  partpose dataset --models parts/ --output dataset/    # views of all parts, for the commands below\n"
       "  partpose index --dataset dataset/                     # descriptors of the views\n"
       "  partpose recognize --dataset dataset/ --config configs/pipeline_capture.json frame.pcd\n"
-      "  partpose evaluate --dataset dataset/ --test dataset/  # how often is it right\n"
+      "  partpose evaluate --dataset dataset/ --test dataset/  # how often is it right on views of a dataset\n"
+      "  partpose captured scenes/ --models parts/             # and on captured scenes with ground truth\n"
       "Exit codes: 0 done (also when nothing was recognized), 2 bad input or usage.");
 
   std::unique_ptr<ThreadLimit> limit;
@@ -48,6 +49,7 @@ int main(int argc, char** argv) {
   apps::add_recognize_command(app, common, failures);
   apps::add_dataset_commands(app, common);
   apps::add_evaluate_command(app, common);
+  apps::add_captured_command(app, common);
 
   try {
     app.parse(argc, argv);

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands.hpp"
 #include "output.hpp"
+#include "recognition_output.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
-#include "partpose/evaluation/picture.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/model_files.hpp"
 #include "partpose/io/png.hpp"
@@ -77,46 +77,6 @@ class AnyPipeline {
   std::optional<Recognizer> recognizer_;
 };
 
-Json line_of(const fs::path& scene, const Recognition& recognition) {
-  const Result& result = recognition.result;
-  const bool found = recognition.accepted >= 0;
-  Json line;
-  line["scene"] = scene.string();
-  line["model_name"] = found ? Json(result.model_name) : Json(nullptr);
-  line["T_final"] = found ? to_json(result.T_final) : Json(nullptr);
-  line["match_distance"] = found ? to_json(result.match_distance) : Json(nullptr);
-  line["icp_fitness"] = found ? to_json(result.icp_fitness) : Json(nullptr);
-  if (found && recognition.candidates[recognition.accepted].score >= 0)
-    line["score"] = to_json(recognition.candidates[recognition.accepted].score);
-  if (!found) line["reason"] = recognition.reason;
-  line["time_ms"] = times_of(recognition.stages);
-  return line;
-}
-
-void print_for_people(const fs::path& scene, const Recognition& recognition) {
-  if (recognition.accepted < 0) {
-    fmt::print("{}: nothing recognized: {} ({:.0f} ms)\n", scene.string(), recognition.reason, recognition.total_ms());
-    return;
-  }
-  fmt::print("{}: {} ({:.0f} ms)\n", scene.string(), recognition.result.model_name, recognition.total_ms());
-  for (int row = 0; row < 4; ++row) {
-    const auto values = recognition.result.T_final.matrix().row(row);
-    fmt::print("  {:9.5f} {:9.5f} {:9.5f} {:10.3f}\n", values[0], values[1], values[2], values[3]);
-  }
-}
-
-/// The frame to draw on: the scene's own, or for a cloud one that covers it.
-ColourImage picture_of(const Scene& scene, const Recognition& recognition, const Catalogue& catalogue) {
-  std::optional<PlacedMesh> part;
-  if (recognition.accepted >= 0) {
-    const auto& candidate = recognition.candidates[recognition.accepted];
-    part.emplace(PlacedMesh{catalogue.parts[catalogue.views[candidate.view_row].part].mesh, candidate.camera_from_model});
-  }
-  if (scene.depth) return draw_overlay(*scene.depth, *scene.intrinsics, part);
-  const Intrinsics camera = intrinsics_covering(scene.cloud, 1.5 * angular_spacing_rad(scene.cloud), 10);
-  return draw_overlay(to_depth_image(scene.cloud, camera), camera, part);
-}
-
 int recognize_all(const RecognizeArguments& arguments, const Common& common) {
   const AnyPipeline pipeline(arguments, terminal_progress(common.quiet));
   std::optional<std::ofstream> jsonl;
@@ -131,7 +91,7 @@ int recognize_all(const RecognizeArguments& arguments, const Common& common) {
       if (!common.quiet) print_for_people(path, recognition);
       if (!arguments.output.empty())
         write_iteration(arguments.output, recognition, scene.cloud, pipeline.catalogue(), pipeline.config());
-      if (!arguments.pictures.empty() && scene.cloud.size() > 1)
+      if (!arguments.pictures.empty())
         write_png(arguments.pictures / (path.stem().string() + ".png"),
                   picture_of(scene, recognition, pipeline.catalogue()));
     } catch (const Error& error) {
@@ -154,7 +114,8 @@ void add_recognize_command(CLI::App& app, const Common& common, int& failures) {
                         "16-bit depth PNG (with NAME.camera.json or camera.json beside it), PCD or PLY")
       ->required();
   recognize->add_option("-m,--models", arguments->models,
-                        "STL files or folders of them; their catalogue is made on first use and kept");
+                        "STL file or folder of them, may be given more than once; the catalogue is made on first use and kept")
+      ->allow_extra_args(false);
   recognize->add_option("-d,--dataset", arguments->dataset, "Dataset folder of the parts, instead of --models");
   recognize->add_option("-c,--config", arguments->config,
                         "Pipeline JSON: run exactly that pipeline on the dataset (default: nothing to configure)");

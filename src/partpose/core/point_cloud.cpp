@@ -37,6 +37,16 @@ PointCloud without_missing(const PointCloud& cloud) {
   return select(cloud, kept);
 }
 
+PointCloud before_camera(const PointCloud& cloud) {
+  constexpr float tangent_of_89_deg = 57.3f;
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const auto& p = cloud.points[i];
+    if (p.allFinite() && p.z() > 0 && p.head<2>().norm() < tangent_of_89_deg * p.z()) kept.push_back(static_cast<int>(i));
+  }
+  return select(cloud, kept);
+}
+
 PointCloud transformed(const PointCloud& cloud, const Eigen::Isometry3d& target_from_cloud) {
   PointCloud out = cloud;
   const Eigen::Matrix3f rotation = target_from_cloud.linear().cast<float>();

@@ -38,6 +38,9 @@ PointCloud every_nth(const PointCloud& cloud, std::size_t step);
 /// Without points (or normals) that are not finite; the result is unorganized.
 PointCloud without_missing(const PointCloud& cloud);
 
+/// The finite points that a camera at the origin can see: z > 0, and no more than 89 degrees off its axis.
+PointCloud before_camera(const PointCloud& cloud);
+
 /// Points and normals moved by a rigid transformation.
 PointCloud transformed(const PointCloud& cloud, const Eigen::Isometry3d& target_from_cloud);
 

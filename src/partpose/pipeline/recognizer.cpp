@@ -214,17 +214,18 @@ Recognizer::~Recognizer() = default;
 const Catalogue& Recognizer::catalogue() const { return impl_->catalogue; }
 
 Recognition Recognizer::recognize(const PointCloud& cloud) const {
-  const PointCloud finite = without_missing(cloud);
   Recognition nothing;
   nothing.result.timestamp = make_timestamp();
   nothing.num_of_points_input = static_cast<int>(cloud.size());
-  if (finite.size() < static_cast<std::size_t>(impl_->segmentation.min_pixels)) {
-    nothing.reason = fmt::format("the scene has {} points, too few to recognize anything", finite.size());
+  const PointCloud seen = before_camera(cloud);
+  if (seen.size() < static_cast<std::size_t>(impl_->segmentation.min_pixels)) {
+    nothing.reason = fmt::format("{} of the scene's {} points lie before the camera (x right, y down, z forward), too few "
+                                 "to recognize anything", seen.size(), cloud.size());
     return nothing;
   }
   // Pixels somewhat wider than the spacing of the points, so that a surface shows no holes.
-  const Intrinsics camera = intrinsics_covering(finite, 1.5 * angular_spacing_rad(finite));
-  Recognition recognition = recognize(to_depth_image(finite, camera), camera);
+  const Intrinsics camera = intrinsics_covering(seen, 1.5 * angular_spacing_rad(seen));
+  Recognition recognition = recognize(to_depth_image(seen, camera), camera);
   recognition.num_of_points_input = static_cast<int>(cloud.size());
   return recognition;
 }
@@ -304,7 +305,7 @@ Recognizer::Impl::OfSegment Recognizer::Impl::recognize(const DepthImage& depth,
   });
   time("decision", [&] { decide(out.candidates, cut_out(depth, camera, segment, segmentation.largest_part_mm, 6000)); });
   const double score = out.candidates[0].score;
-  out.evidence = score * score * std::sqrt(static_cast<double>(segment.pixels.size()));
+  out.evidence = score * score * std::pow(static_cast<double>(segment.pixels.size()), 0.25);
   return out;
 }
 

@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.hpp"
+#include "output.hpp"
+#include "recognition_output.hpp"
+#include "terminal.hpp"
+
+#include "partpose/core/error.hpp"
+#include "partpose/evaluation/captured_set.hpp"
+#include "partpose/io/model_files.hpp"
+#include "partpose/io/png.hpp"
+#include "partpose/io/scene.hpp"
+#include "partpose/pipeline/catalogue_cache.hpp"
+#include "partpose/pipeline/recognizer.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+
+namespace partpose::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CapturedArguments {
+  fs::path set, models, cache, jsonl, pictures;
+  std::vector<std::string> kinds;
+  double limit_deg = 15;
+  double limit_mm = 15;
+};
+
+struct Count {
+  int frames = 0, right = 0, wrong = 0, none = 0, pose_right = 0;
+  std::vector<double> ms;
+};
+
+/// What one frame gave, in a few words, and into the count.
+std::string judge(const Recognition& recognition, const CapturedScene& truth, const CapturedSet& set,
+                  const Catalogue& catalogue, const CapturedArguments& arguments, Count& count, Json& line) {
+  ++count.frames;
+  count.ms.push_back(recognition.total_ms());
+  line["ground_truth_model_name"] = truth.model_name.empty() ? Json(nullptr) : Json(truth.model_name);
+  const bool found = recognition.accepted >= 0;
+  if (truth.model_name.empty()) {
+    ++(found ? count.wrong : count.right);
+    if (!found) ++count.pose_right;
+    return found ? "WRONG: " + recognition.result.model_name + ", but it is none of them" : "right: none of them";
+  }
+  if (!found) {
+    ++count.none;
+    return fmt::format("NOT FOUND: it is {}; {}", truth.model_name, recognition.reason);
+  }
+  if (recognition.result.model_name != truth.model_name) {
+    ++count.wrong;
+    return fmt::format("WRONG: {}, but it is {}", recognition.result.model_name, truth.model_name);
+  }
+  ++count.right;
+  const auto& mesh = catalogue.parts[catalogue.views[recognition.candidates[recognition.accepted].view_row].part].mesh;
+  const auto symmetry = set.symmetries.find(truth.model_name);
+  const auto error = symmetric_pose_error(
+      recognition.result.T_final, truth.camera_from_model,
+      symmetry == set.symmetries.end() ? std::vector{Eigen::Isometry3d::Identity()} : symmetry->second, bounding_box(mesh));
+  line["rotation_error_deg"] = error.rotation_deg;
+  line["translation_error_mm"] = error.translation_mm;
+  const bool pose_right = error.rotation_deg < arguments.limit_deg && error.translation_mm < arguments.limit_mm;
+  count.pose_right += pose_right;
+  return fmt::format("{}: {}, off by {:.1f} deg, {:.1f} mm", pose_right ? "right" : "POSE WRONG", truth.model_name,
+                     error.rotation_deg, error.translation_mm);
+}
+
+void evaluate_captured(const CapturedArguments& arguments, const Common& common) {
+  const CapturedSet set = read_captured_set(arguments.set);
+  const Recognizer recognizer(cached_catalogue(
+      model_files(arguments.models.empty() ? arguments.set / "models" : arguments.models), DatasetPreparationConfig{},
+      Recognizer::catalogue_config(), arguments.cache.empty() ? default_cache_folder() : arguments.cache,
+      terminal_progress(common.quiet)));
+  std::optional<std::ofstream> jsonl;
+  if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
+  if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
+
+  std::map<std::string, Count> count_of_kind;
+  for (const auto& truth : set.scenes) {
+    if (!arguments.kinds.empty() &&
+        std::find(arguments.kinds.begin(), arguments.kinds.end(), truth.kind) == arguments.kinds.end())
+      continue;
+    const Scene scene = read_scene(truth.path);
+    const Recognition recognition =
+        scene.depth ? recognizer.recognize(*scene.depth, *scene.intrinsics) : recognizer.recognize(scene.cloud);
+    Json line = line_of(truth.path, recognition);
+    const std::string verdict =
+        judge(recognition, truth, set, recognizer.catalogue(), arguments, count_of_kind[truth.kind], line);
+    fmt::print("{:<32} {:5.0f} ms  {}\n", truth.path.filename().string(), recognition.total_ms(), verdict);
+    if (!common.quiet && recognition.accepted >= 0) print_pose(recognition.result.T_final);
+    if (jsonl) *jsonl << line.dump() << '\n';
+    if (!arguments.pictures.empty())
+      write_png(arguments.pictures / (truth.path.stem().string() + ".png"),
+                picture_of(scene, recognition, recognizer.catalogue()));
+  }
+  fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10}\n", "kind", "frames", "right", "wrong", "none", "pose right",
+             "median ms");
+  for (auto& [kind, count] : count_of_kind) {
+    std::sort(count.ms.begin(), count.ms.end());
+    fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10.0f}\n", kind, count.frames, count.right, count.wrong, count.none,
+               count.pose_right, count.ms[count.ms.size() / 2]);
+  }
+  fmt::print("pose right: within {} deg and {} mm of the truth or of a pose that is equivalent by symmetry\n",
+             arguments.limit_deg, arguments.limit_mm);
+}
+
+}  // namespace
+
+void add_captured_command(CLI::App& app, const Common& common) {
+  auto arguments = std::make_shared<CapturedArguments>();
+  auto* captured = app.add_subcommand("captured", "Recognize a folder of captured scenes with ground truth and compare");
+  captured->add_option("set", arguments->set, "Folder with gt.json, symmetries.json and models/")->required();
+  captured->add_option("-m,--models", arguments->models, "Folder of STL files, when it is not models/ in the set");
+  captured->add_option("--kind", arguments->kinds, "Only scenes of this kind (object_only, with_table, full_frame, instance)")
+      ->allow_extra_args(false);
+  captured->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here");
+  captured->add_option("--pictures", arguments->pictures, "Write a picture of each scene with the part drawn over it here");
+  captured->add_option("--cache", arguments->cache, "Where catalogues are kept (default: ~/.cache/partpose)");
+  captured->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")->capture_default_str();
+  captured->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")->capture_default_str();
+  captured->footer("Example:\n  partpose captured scenes/ --models parts/ --pictures pictures/");
+  captured->callback([arguments, &common] { evaluate_captured(*arguments, common); });
+}
+
+}  // namespace partpose::apps
