@@ -2,11 +2,11 @@
 include(CMakePackageConfigHelpers)
 get_property(rooms GLOBAL PROPERTY PARTPOSE_ROOMS)
 
-#install(TARGETS partpose ${rooms} EXPORT partposeTargets
+install(TARGETS partpose ${rooms} EXPORT partposeTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-#install(TARGETS partpose_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS partpose_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY src/partpose DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-        FILES_MATCHING PATTERN "*.hpp" PATTERN "apps" EXCLUDE)
+        FILES_MATCHING PATTERN "*.hpp" PATTERN "apps" EXCLUDE PATTERN "testing.hpp" EXCLUDE)
 install(DIRECTORY configs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/partpose/configs FILES_MATCHING PATTERN "*.json")
 install(EXPORT partposeTargets NAMESPACE partpose:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/partpose)
 configure_package_config_file(cmake/partposeConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/partposeConfig.cmake

@@ -6,9 +6,10 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/stopwatch.hpp"
 #include "partpose/dataset/dataset.hpp"
-#include "partpose/io/json.hpp"
+#include "partpose/pipeline/config_file.hpp"
 #include "partpose/io/model_files.hpp"
 #include "partpose/pipeline/catalogue.hpp"
+#include "partpose/pipeline/config_file.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -40,7 +41,7 @@ void make_dataset(const DatasetArguments& arguments, const Common& common) {
   }
   if (paths.empty()) throw Error("dataset: give the parts with --models or --model-list");
   const auto config = arguments.config.empty() ? DatasetPreparationConfig{}
-                                               : read_json<DatasetPreparationConfig>(arguments.config);
+                                               : read_dataset_config(arguments.config);
   const Stopwatch watch;
   const Dataset dataset = create_dataset(config, paths, arguments.output, terminal_progress(common.quiet));
   if (!common.quiet)
@@ -71,7 +72,7 @@ void add_dataset_commands(CLI::App& app, const Common& common) {
                 "Descriptors are kept in the dataset and used again until something that they depend on changes.");
   index->callback([index_arguments, &common] {
     const auto config = index_arguments->config.empty() ? GlobalPipelineConfig{}
-                                                        : read_json<GlobalPipelineConfig>(index_arguments->config);
+                                                        : read_pipeline_config(index_arguments->config);
     const Stopwatch watch;
     const Catalogue catalogue =
         load_catalogue(open_dataset(index_arguments->dataset), config, terminal_progress(common.quiet));

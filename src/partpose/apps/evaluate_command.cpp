@@ -8,6 +8,7 @@
 #include "partpose/core/pose.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/io/json.hpp"
+#include "partpose/pipeline/config_file.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -59,7 +60,7 @@ Json frame_line(const ProtocolFrame& frame, const Recognition& recognition, cons
 
 void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) {
   const auto config = arguments.config.empty() ? GlobalPipelineConfig{}
-                                               : read_json<GlobalPipelineConfig>(arguments.config);
+                                               : read_pipeline_config(arguments.config);
   const auto progress = terminal_progress(common.quiet);
   const GlobalPipeline pipeline(load_catalogue(open_dataset(arguments.dataset), config, progress), config);
   const Dataset test = open_dataset(arguments.test);

@@ -51,9 +51,9 @@ ColourImage picture_of(const Scene& scene, const Recognition& recognition, const
   }
   if (scene.depth) return draw_overlay(*scene.depth, *scene.intrinsics, part);
   const PointCloud seen = before_camera(scene.cloud);
-  if (seen.size() < 2) return draw_overlay(DepthImage(64, 48), Intrinsics::from_field_of_view(64, 48, 50, 40), part);
-  const Intrinsics camera = intrinsics_covering(seen, 1.5 * angular_spacing_rad(seen), 10);
-  return draw_overlay(to_depth_image(seen, camera), camera, part);
+  const auto camera = intrinsics_of(seen, 10);
+  if (!camera) return draw_overlay(DepthImage(64, 48), Intrinsics::from_field_of_view(64, 48, 50, 40), part);
+  return draw_overlay(to_depth_image(seen, *camera), *camera, part);
 }
 
 }  // namespace partpose::apps

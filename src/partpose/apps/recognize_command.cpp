@@ -11,6 +11,7 @@
 #include "partpose/io/png.hpp"
 #include "partpose/io/scene.hpp"
 #include "partpose/pipeline/catalogue_cache.hpp"
+#include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/pipeline/recognizer.hpp"
 
@@ -42,7 +43,7 @@ class AnyPipeline {
     if (!arguments.config.empty() && arguments.dataset.empty())
       throw Error("recognize: --config goes with --dataset; --models needs no configuration");
     if (!arguments.config.empty()) {
-      config_ = read_json<GlobalPipelineConfig>(arguments.config);
+      config_ = read_pipeline_config(arguments.config);
       global_.emplace(load_catalogue(open_dataset(arguments.dataset), config_, progress), config_);
       return;
     }

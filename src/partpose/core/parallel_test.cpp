@@ -68,7 +68,8 @@ TEST(ThreadLimit, OneThreadIsTheCallersOwn) {
   const ThreadLimit limit(1);
   std::mutex mutex;
   std::set<std::thread::id> seen;
-  parallel_for(1000, [&](std::size_t) {
+  parallel_for(300, [&](std::size_t) {
+    std::this_thread::sleep_for(std::chrono::microseconds(100));  // time enough for another thread to come and help
     const std::lock_guard lock(mutex);
     seen.insert(std::this_thread::get_id());
   });

@@ -82,6 +82,18 @@ TEST(PointCloud, WithoutMissingDropsWhatIsNotFinite) {
   EXPECT_TRUE(without_missing(PointCloud{}).empty());
 }
 
+TEST(PointCloud, BeforeCameraKeepsWhatACameraCanSee) {
+  auto cloud = numbered(8);
+  const auto off_axis = [](double angle_deg) -> Eigen::Vector3f {
+    return Eigen::Vector3d(0, std::sin(radians(angle_deg)), std::cos(radians(angle_deg))).cast<float>();
+  };
+  cloud.points = {{0, 0, 1e-3f},  {0, 0, 0},   {0, 0, -5},  off_axis(88.9),
+                  off_axis(89.1), {nan, 0, 5}, {9, 9, 600}, {0, 0, nan}};
+  cloud.width = 4, cloud.height = 2;
+  EXPECT_TRUE(same_bits(before_camera(cloud), select(cloud, std::vector{0, 3, 6})));
+  EXPECT_TRUE(before_camera(PointCloud{}).empty());
+}
+
 TEST(PointCloud, TransformedMovesPointsAndTurnsNormals) {
   Random random(1);
   const auto cloud = numbered(20);

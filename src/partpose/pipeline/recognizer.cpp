@@ -218,14 +218,13 @@ Recognition Recognizer::recognize(const PointCloud& cloud) const {
   nothing.result.timestamp = make_timestamp();
   nothing.num_of_points_input = static_cast<int>(cloud.size());
   const PointCloud seen = before_camera(cloud);
-  if (seen.size() < static_cast<std::size_t>(impl_->segmentation.min_pixels)) {
+  const auto camera = intrinsics_of(seen);
+  if (!camera || seen.size() < static_cast<std::size_t>(impl_->segmentation.min_pixels)) {
     nothing.reason = fmt::format("{} of the scene's {} points lie before the camera (x right, y down, z forward), too few "
-                                 "to recognize anything", seen.size(), cloud.size());
+                                 "or too near together to recognize anything", seen.size(), cloud.size());
     return nothing;
   }
-  // Pixels somewhat wider than the spacing of the points, so that a surface shows no holes.
-  const Intrinsics camera = intrinsics_covering(seen, 1.5 * angular_spacing_rad(seen));
-  Recognition recognition = recognize(to_depth_image(seen, camera), camera);
+  Recognition recognition = recognize(to_depth_image(seen, *camera), *camera);
   recognition.num_of_points_input = static_cast<int>(cloud.size());
   return recognition;
 }

@@ -46,6 +46,8 @@ void PreprocessOptions::check() const {
   if (statistical_outlier_removal_num_of_k_nearest_neighbors < 1)
     throw Error("statistical_outlier_removal_num_of_k_nearest_neighbors {}: must be 1 or more",
                 statistical_outlier_removal_num_of_k_nearest_neighbors);
+  if (!std::isfinite(statistical_outlier_removal_std_deviation_multiplier))
+    throw Error("statistical_outlier_removal_std_deviation_multiplier is not a finite number");
 }
 
 void NormalEstimationOptions::check() const {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/preprocess/segmentation.hpp"
 
-#include "partpose/core/error.hpp"
 #include "partpose/geometry/kd_tree.hpp"
 #include "partpose/geometry/plane.hpp"
 
@@ -224,11 +223,11 @@ class Splitter {
 
 }  // namespace
 
-double angular_spacing_rad(const PointCloud& cloud) {
+std::optional<double> angular_spacing_rad(const PointCloud& cloud) {
   std::vector<Eigen::Vector3f> directions;
   for (const auto& p : cloud.points)
     if (p.allFinite() && p.z() > 0) directions.emplace_back(p.x() / p.z(), p.y() / p.z(), 0.f);
-  if (directions.size() < 2) throw Error("the cloud has fewer than two points before the camera (z > 0)");
+  if (directions.size() < 2) return std::nullopt;
   const KdTree tree(directions);
   const std::size_t step = std::max<std::size_t>(directions.size() / 500, 1);
   std::vector<float> spacing;
@@ -236,9 +235,19 @@ double angular_spacing_rad(const PointCloud& cloud) {
     const auto found = tree.nearest_k(directions[i], 2);
     if (found.size() == 2 && found[1].squared_distance > 0) spacing.push_back(std::sqrt(found[1].squared_distance));
   }
-  if (spacing.empty()) throw Error("all points of the cloud lie in one direction");
+  if (spacing.empty()) return std::nullopt;
   std::nth_element(spacing.begin(), spacing.begin() + static_cast<std::ptrdiff_t>(spacing.size() / 2), spacing.end());
   return spacing[spacing.size() / 2];
+}
+
+std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px) {
+  const auto spacing = angular_spacing_rad(cloud);
+  if (!spacing) return std::nullopt;
+  Eigen::AlignedBox2f extent;
+  for (const auto& p : cloud.points) extent.extend(Eigen::Vector2f(p.head<2>() / p.z()));
+  // A few points close together must not ask for an image of gigapixels.
+  constexpr double widest_px = 2000;
+  return intrinsics_covering(cloud, std::max(1.5 * *spacing, extent.sizes().maxCoeff() / widest_px), margin_px);
 }
 
 std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, const SegmentationOptions& options) {

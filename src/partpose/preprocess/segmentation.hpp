@@ -4,6 +4,7 @@
 
 #include "partpose/core/depth_image.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace partpose {
@@ -22,8 +23,13 @@ struct Segment {
 };
 
 /// The angular distance of neighbouring points of a cloud taken from the origin, in rad: the pixel of a camera that
-/// would see about one point in each. Throws Error for fewer than two points before the camera.
-double angular_spacing_rad(const PointCloud& cloud);
+/// would see about one point in each. Nothing when fewer than two directions are seen.
+std::optional<double> angular_spacing_rad(const PointCloud& cloud);
+
+/// The camera whose image a cloud taken from the origin fills without holes, pixels somewhat wider than the points'
+/// spacing (and at most about 2000 a side); nothing when the cloud shows fewer than two directions. All points must lie
+/// before the camera (`before_camera`).
+std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px = 2);
 
 /// What may be single objects in a frame. Large planes (table, wall) are taken away, what is left is split where depth
 /// jumps, and what is too large or too small for any part is dropped. Where the whole frame is no larger than a part, it

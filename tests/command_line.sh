@@ -1,0 +1,146 @@
+#!/usr/bin/env bash
+# command_line.sh PARTPOSE: the command line as its users meet it: good input, and every kind of bad input, which must give
+# one line on standard error and exit code 2, or a clean 'nothing recognized'.
+set -uo pipefail
+partpose=$(realpath "$1")
+root=$(cd "$(dirname "$0")/.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export XDG_CACHE_HOME="$work/cache"
+cd "$work"
+failures=0
+checks=0
+
+fail() { echo "FAILED: $*"; failures=$((failures + 1)); }
+
+# bad NAME PATTERN COMMAND...: exit code 2, one line, which holds PATTERN
+bad() {
+  local name=$1 pattern=$2
+  shift 2
+  checks=$((checks + 1))
+  "$partpose" -q "$@" >out.txt 2>err.txt </dev/null
+  local code=$?
+  [ $code -eq 2 ] || fail "$name: exit code $code instead of 2: $(head -c 200 err.txt)"
+  [ "$(wc -l <err.txt)" -eq 1 ] || fail "$name: $(wc -l <err.txt) lines instead of 1: $(head -c 400 err.txt)"
+  grep -q -- "$pattern" err.txt || fail "$name: '$pattern' not in: $(cat err.txt)"
+}
+
+# good NAME COMMAND...: exit code 0
+good() {
+  local name=$1
+  shift
+  checks=$((checks + 1))
+  "$partpose" -q "$@" >out.txt 2>err.txt </dev/null || fail "$name: exit code $?: $(cat err.txt)"
+}
+
+# nothing NAME COMMAND...: exit code 0 and a JSON line without a model
+nothing() {
+  local name=$1
+  shift
+  good "$name" "$@" --jsonl lines.jsonl
+  grep -q '"model_name":null' lines.jsonl || fail "$name: something recognized: $(head -c 300 lines.jsonl)"
+}
+
+little_endian_32() { printf "\\x$(printf %02x $(($1 & 255)))\\x$(printf %02x $(($1 >> 8 & 255)))\\x$(printf %02x $(($1 >> 16 & 255)))\\x$(printf %02x $(($1 >> 24 & 255)))"; }
+
+mkdir parts
+cp "$root"/parts/bracket.stl "$root"/parts/link.stl parts/
+frame="$root/scenes/bracket.png"
+camera='"width": 640, "height": 480, "fx": 615, "fy": 615, "cx": 319.5, "cy": 239.5, "depth_scale_mm": 1'
+
+echo "-- what works"
+good "version" --version
+good "help" --help
+for command in recognize dataset index evaluate captured; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
+good "recognize a frame" recognize --models parts --jsonl lines.jsonl --pictures pictures "$frame"
+grep -q '"model_name":"bracket"' lines.jsonl || fail "the bracket was not recognized: $(cat lines.jsonl)"
+for key in scene T_final match_distance icp_fitness time_ms; do grep -q "\"$key\":" lines.jsonl || fail "no $key in the JSON line"; done
+[ -s pictures/bracket.png ] || fail "no picture"
+good "dataset" dataset --models parts --config "$root/configs/dataset_ground_truth.json" --output dataset
+for file in dataset.json descriptors models/0000/mesh.stl models/0001/views/0041.pcd; do [ -e "dataset/$file" ] || fail "dataset/$file is missing"; done
+good "index" index --dataset dataset --config "$root/configs/pipeline_virtual.json"
+for file in vfh.pcd vfh_config.json vfh_references.json; do [ -s "dataset/descriptors/$file" ] || fail "descriptors/$file is missing"; done
+good "recognize by configuration" recognize --dataset dataset --config "$root/configs/pipeline_virtual.json" --jsonl lines.jsonl --output iterations dataset/models/0001/views/0007.pcd
+grep -q '"model_name":"link"' lines.jsonl || fail "the link was not recognized: $(cat lines.jsonl)"
+for file in result.json extras.json used_dataset.json used_pipeline_config.json; do [ -s iterations/*/$file ] || fail "iterations/*/$file is missing"; done
+sed 's/"save_point_clouds": false/"save_point_clouds": true/' "$root/configs/pipeline_virtual.json" >clouds.json
+good "all output files" recognize --dataset dataset --config clouds.json --output clouds dataset/models/0001/views/0007.pcd
+for file in candidate_0.ply candidate_5.ply result_full.ply result_partial.pcd result_partial.ply scene_cloud_w_normals.pcd scene_cloud_w_normals.ply scene_original.ply; do [ -s clouds/*/$file ] || fail "clouds/*/$file is missing"; done
+good "dataset without configuration" recognize --dataset dataset --jsonl lines.jsonl "$frame"
+good "captured set" captured "$root/scenes" --models "$root/parts" --kind instance
+
+echo "-- bad parts"
+bad "no models" "no such file or folder" recognize --models nowhere "$frame"
+mkdir empty && bad "folder without STL" "no STL files" recognize --models empty "$frame"
+mkdir broken
+head -c 1000 parts/link.stl >broken/a.stl && bad "truncated STL" "broken/a.stl" recognize --models broken "$frame"
+{ head -c 80 parts/link.stl; little_endian_32 4000000000; tail -c +85 parts/link.stl; } >broken/a.stl && bad "huge count" "byte 80" recognize --models broken "$frame"
+{ head -c 96 parts/link.stl; printf '\x00\x00\xc0\x7f'; tail -c +101 parts/link.stl; } >broken/a.stl && bad "NaN in an STL" "byte 96" recognize --models broken "$frame"
+: >broken/a.stl && bad "empty STL" "broken/a.stl" recognize --models broken "$frame"
+printf 'solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 zero\n' >broken/a.stl && bad "bad ASCII STL" "broken/a.stl" recognize --models broken "$frame"
+bad "dataset of a broken STL" "broken/a.stl" dataset --models broken --output d2
+[ ! -e d2 ] || fail "a half-made dataset was left behind"
+bad "output that is no dataset" "holds other things" dataset --models parts --output "$root/configs"
+
+echo "-- bad scenes"
+bad "no scene file" "nowhere.png" recognize --models parts nowhere.png
+bad "unknown kind of scene" "scene.xyz" recognize --models parts scene.xyz
+cp "$frame" lonely.png && bad "no camera" "camera.json" recognize --models parts lonely.png
+echo "{$camera}" >lonely.camera.json
+good "camera beside" recognize --models parts lonely.png
+echo "{${camera/\"fx\": 615, /}}" >lonely.camera.json && bad "camera without fx" '"fx" is missing' recognize --models parts lonely.png
+echo "{$camera, \"fz\": 1}" >lonely.camera.json && bad "unknown camera key" 'did you mean "fx"' recognize --models parts lonely.png
+echo "{${camera/615/\"615\"}}" >lonely.camera.json && bad "wrong type" 'expected a number' recognize --models parts lonely.png
+echo "{${camera/640/320}}" >lonely.camera.json && bad "other size" '640 x 480' recognize --models parts lonely.png
+echo "{${camera/615/-615}}" >lonely.camera.json && bad "negative focal length" 'focal length' recognize --models parts lonely.png
+echo "{$camera" >lonely.camera.json && bad "broken JSON" 'lonely.camera.json: byte' recognize --models parts lonely.png
+echo "{$camera}" >lonely.camera.json
+head -c 5000 "$frame" >lonely.png && bad "truncated PNG" "lonely.png" recognize --models parts lonely.png
+echo "this is no picture" >lonely.png && bad "not a PNG" "lonely.png" recognize --models parts lonely.png
+cp pictures/bracket.png lonely.png && bad "8-bit PNG" "16-bit" recognize --models parts lonely.png
+printf 'ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\nabc' >s.ply
+bad "huge PLY" "s.ply" recognize --models parts s.ply
+printf 'VERSION 0.7\nFIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA ascii\n1 2\n' >s.pcd
+bad "PCD without z" "s.pcd" recognize --models parts s.pcd
+bad "one bad scene among good ones" "s.pcd" recognize --models parts --jsonl lines.jsonl "$frame" s.pcd "$frame"
+[ "$(wc -l <lines.jsonl)" -eq 3 ] || fail "the good scenes were lost: $(cat lines.jsonl)"
+
+echo "-- scenes that show nothing"
+header() { printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH %d\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS %d\nDATA ascii\n' "$1" "$1"; }
+header 0 >empty.pcd
+{ header 1; echo "1 2 600"; } >point.pcd
+{ header 3; for _ in 1 2 3; do echo "nan nan nan"; done; } >nan.pcd
+{ header 10000; for ((i = 0; i < 10000; ++i)); do echo "$((i % 100 * 4 - 200)) $((i / 100 * 4 - 200)) 600"; done; } >plane.pcd
+{ header 500; for ((i = 0; i < 500; ++i)); do echo "$((i - 250)) 0 600"; done; } >line.pcd
+{ header 500; for ((i = 0; i < 500; ++i)); do echo "5 5 600"; done; } >same.pcd
+{ header 500; for ((i = 0; i < 500; ++i)); do echo "$((i % 30)) $((i / 30)) -600"; done; } >behind.pcd
+for scene in empty point nan plane line same behind; do
+  nothing "$scene, no configuration" recognize --models parts --pictures pictures $scene.pcd
+  nothing "$scene, by configuration" recognize --dataset dataset --config clouds.json --output iterations $scene.pcd
+done
+
+echo "-- bad configurations"
+config() { sed "$1" "$root/configs/pipeline_virtual.json" >c.json; }
+by_config() { echo recognize --dataset dataset --config c.json dataset/models/0001/views/0007.pcd; }
+config 's/"voxel_size": 1.0/"voxel_sise": 1.0/' && bad "unknown key" 'did you mean "preprocessing.voxel_size"\|did you mean "voxel_size"' $(by_config)
+config 's/"voxel_size": 1.0/"voxel_size": "1"/' && bad "wrong type" 'preprocessing.voxel_size' $(by_config)
+config 's/"voxel_size": 1.0/"voxel_size": -1/' && bad "out of range" 'voxel_size -1' $(by_config)
+config 's/"global_descriptor": "vfh"/"global_descriptor": "vhf"/' && bad "unknown descriptor" 'did you mean "vfh"' $(by_config)
+config '5d;6d' && head -c 100 c.json >c2.json && mv c2.json c.json && bad "not JSON" 'c.json: byte' $(by_config)
+bad "no such configuration" "nowhere.json" recognize --dataset dataset --config nowhere.json s.pcd
+bad "no such dataset" "nowhere" recognize --dataset nowhere --config clouds.json s.pcd
+cp -r dataset half && rm half/dataset.json && bad "dataset without dataset.json" "dataset.json" index --dataset half
+echo '{"models": []}' >half/dataset.json && bad "dataset.json without keys" 'is missing' index --dataset half
+cp dataset/dataset.json half/ && rm half/models/0001/views/0003.pcd && rm -r half/descriptors && bad "dataset without a view" "0003.pcd" index --dataset half
+echo '{"model_paths": ["nowhere.stl"]}' >list.json && bad "model list" "nowhere.stl" dataset --model-list list.json --output d3
+echo '{"model_path": ["nowhere.stl"]}' >list.json && bad "model list key" "model_paths" dataset --model-list list.json --output d3
+
+echo "-- bad usage"
+bad "no command" "subcommand" 
+bad "unknown command" "partpose" recognise --models parts "$frame"
+bad "unknown option" "modles" recognize --modles parts "$frame"
+bad "no scenes" "scenes" recognize --models parts
+bad "neither parts nor dataset" "--models" recognize "$frame"
+
+echo "$checks checks, $failures failed"
+[ $failures -eq 0 ]

@@ -1,0 +1,15 @@
+# cmake -DBUILD=... -DSOURCE=... -P run.cmake: installs into a fresh prefix, builds the consumer against it, runs it.
+set(prefix ${BUILD}/consumer/prefix)
+file(REMOVE_RECURSE ${BUILD}/consumer)
+macro(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "failed: ${ARGN}")
+  endif()
+endmacro()
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer -B ${BUILD}/consumer/build -DCMAKE_PREFIX_PATH=${prefix}
+    -DCMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} --build ${BUILD}/consumer/build)
+run(${BUILD}/consumer/build/consumer ${SOURCE}/parts ${SOURCE}/scenes/bracket.png ${BUILD}/consumer/cache)
+run(${prefix}/bin/partpose --version)
