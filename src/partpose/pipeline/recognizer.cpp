@@ -160,9 +160,15 @@ struct Recognizer::Impl {
 
   /// One segment's clouds and what was found for it.
   struct OfSegment {
+    const Segment* segment = nullptr;
     PointCloud cloud, with_normals, refinement_scene;
     std::vector<Candidate> candidates;  ///< best score first
-    double evidence = 0;                ///< by which segments are compared: how well explained, and how large
+
+    /// By which segments are compared: how well the best candidate explains it, and, less, how large it is.
+    double evidence() const {
+      const double score = candidates[0].score;
+      return score * score * std::pow(static_cast<double>(segment->pixels.size()), 0.25);
+    }
   };
 
   OfSegment recognize(const DepthImage& depth, const Intrinsics& camera, const Segment& segment, StageTimes& time) const;
@@ -175,6 +181,8 @@ struct Recognizer::Impl {
   void fit_to_depth(Candidate& candidate, const LabelledDepth& frame, const DepthImage& depth) const;
   RenderComparison compare(const Candidate& candidate, const LabelledDepth& frame,
                            const RenderCompareOptions& compare_options) const;
+  /// Decides the segments that may be the frame's best object, and puts the best one first.
+  void decide_among(std::vector<OfSegment>& found, const DepthImage& depth, const Intrinsics& camera) const;
   /// Orders the candidates, given by falling score, for good, and gives each its verdict.
   void decide(std::vector<Candidate>& candidates, const LabelledDepth& frame) const;
   const TriangleMesh& mesh_of(const Candidate& candidate) const {
@@ -240,16 +248,17 @@ Recognition Recognizer::recognize(const DepthImage& depth, const Intrinsics& cam
     r.reason = "nothing of a part's size stands out from the table or the background";
     return r;
   }
-  double best_evidence = -std::numeric_limits<double>::infinity();
+  std::vector<Impl::OfSegment> found;
   for (const auto& segment : segments) {
     auto of_segment = impl_->recognize(depth, camera, segment, time);
-    if (of_segment.candidates.empty()) continue;
-    if (of_segment.evidence <= best_evidence) continue;
-    best_evidence = of_segment.evidence;
-    r.candidates = std::move(of_segment.candidates);
-    r.preprocessed = std::move(of_segment.cloud);
-    r.with_normals = std::move(of_segment.with_normals);
-    r.refinement_scene = std::move(of_segment.refinement_scene);
+    if (!of_segment.candidates.empty()) found.push_back(std::move(of_segment));
+  }
+  time("decision", [&] { impl_->decide_among(found, depth, camera); });
+  if (!found.empty()) {
+    r.candidates = std::move(found[0].candidates);
+    r.preprocessed = std::move(found[0].cloud);
+    r.with_normals = std::move(found[0].with_normals);
+    r.refinement_scene = std::move(found[0].refinement_scene);
   }
   if (r.candidates.empty()) {
     r.reason = "no segment has enough points with normals to be described";
@@ -270,6 +279,7 @@ Recognition Recognizer::recognize(const DepthImage& depth, const Intrinsics& cam
 Recognizer::Impl::OfSegment Recognizer::Impl::recognize(const DepthImage& depth, const Intrinsics& camera,
                                                         const Segment& segment, StageTimes& time) const {
   OfSegment out;
+  out.segment = &segment;
   time("preprocessing", [&] {
     for (const int p : segment.pixels)
       out.cloud.points.push_back(camera.unproject(p % depth.width, p / depth.width, depth.z_mm[p]));
@@ -302,9 +312,6 @@ Recognizer::Impl::OfSegment Recognizer::Impl::recognize(const DepthImage& depth,
     });
     sort_by_score(out.candidates);
   });
-  time("decision", [&] { decide(out.candidates, cut_out(depth, camera, segment, segmentation.largest_part_mm, 6000)); });
-  const double score = out.candidates[0].score;
-  out.evidence = score * score * std::pow(static_cast<double>(segment.pixels.size()), 0.25);
   return out;
 }
 
@@ -320,6 +327,17 @@ void Recognizer::Impl::fit_to_depth(Candidate& candidate, const LabelledDepth& f
 RenderComparison Recognizer::Impl::compare(const Candidate& candidate, const LabelledDepth& frame,
                                            const RenderCompareOptions& compare_options) const {
   return render_and_compare(mesh_of(candidate), candidate.camera_from_model, frame, compare_options);
+}
+
+void Recognizer::Impl::decide_among(std::vector<OfSegment>& found, const DepthImage& depth,
+                                    const Intrinsics& camera) const {
+  constexpr std::size_t most_decided = 3;
+  const auto by_evidence = [](const OfSegment& a, const OfSegment& b) { return a.evidence() > b.evidence(); };
+  std::stable_sort(found.begin(), found.end(), by_evidence);
+  if (found.size() > most_decided) found.resize(most_decided);
+  for (auto& of_segment : found)
+    decide(of_segment.candidates, cut_out(depth, camera, *of_segment.segment, segmentation.largest_part_mm, 6000));
+  std::stable_sort(found.begin(), found.end(), by_evidence);
 }
 
 void Recognizer::Impl::decide(std::vector<Candidate>& candidates, const LabelledDepth& frame) const {

@@ -133,7 +133,11 @@ IcpResult iterate(const PointCloud& source, const PointCloud& target, const KdTr
 
   IcpResult result = start;
   result.converged = false;
-  double last_mean_squared = std::numeric_limits<double>::infinity();
+  // A start far from any fit wanders: given up when the pairs have not come nearer for some iterations.
+  constexpr int patience = 10;
+  constexpr double nearer = 0.995;
+  double last_mean_squared = std::numeric_limits<double>::infinity(), best_mean_squared = last_mean_squared;
+  int since_best = 0;
   for (; result.iterations < options.max_iterations; ++result.iterations) {
     const Pairs pairs = find_pairs(source, target, target_tree, result.target_from_source, options);
     result.pairs = static_cast<int>(pairs.kept.size());
@@ -149,6 +153,9 @@ IcpResult iterate(const PointCloud& source, const PointCloud& target, const KdTr
       break;
     }
     last_mean_squared = pairs.mean_squared_mm2;
+    since_best = pairs.mean_squared_mm2 < nearer * best_mean_squared ? 0 : since_best + 1;
+    best_mean_squared = std::min(best_mean_squared, pairs.mean_squared_mm2);
+    if (since_best >= patience) break;
   }
   return result;
 }
