@@ -18,7 +18,7 @@
 #include "partpose/descriptor/vfh.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
-#include "partpose/evaluation/picture.hpp"
+#include "partpose/pipeline/picture.hpp"
 #include "partpose/io/camera_json.hpp"
 #include "partpose/io/cloud.hpp"
 #include "partpose/io/model_files.hpp"

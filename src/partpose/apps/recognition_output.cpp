@@ -4,7 +4,7 @@
 
 #include "output.hpp"
 
-#include "partpose/evaluation/picture.hpp"
+#include "partpose/pipeline/picture.hpp"
 #include "partpose/preprocess/segmentation.hpp"
 
 #include <optional>

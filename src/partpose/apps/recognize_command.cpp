@@ -89,7 +89,7 @@ int recognize_all(const RecognizeArguments& arguments, const Common& common) {
       const Scene scene = read_scene(path, arguments.units == "m" ? 1000 : 1, arguments.camera);
       const Recognition recognition = pipeline.recognize(scene);
       if (jsonl) *jsonl << line_of(path, recognition).dump() << std::endl;
-      if (!common.quiet) print_for_people(path, recognition);
+      if (!common.quiet || pipeline.config().debug.result_to_cout) print_for_people(path, recognition);
       if (!arguments.output.empty())
         write_iteration(arguments.output, recognition, scene.cloud, pipeline.catalogue(), pipeline.config());
       if (!arguments.pictures.empty())

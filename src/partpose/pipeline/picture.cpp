@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "partpose/evaluation/picture.hpp"
+#include "partpose/pipeline/picture.hpp"
 
 #include "partpose/camera/rasterizer.hpp"
 
@@ -46,6 +46,9 @@ Intrinsics enlarged(const Intrinsics& camera, int factor) {
   return out;
 }
 
+/// So that the longer side has about 480 px.
+int enlargement(const Intrinsics& camera) { return std::clamp(480 / std::max({camera.width, camera.height, 1}), 1, 6); }
+
 void draw_scene(ColourImage& image, const DepthImage& depth, const Intrinsics& camera) {
   for (int v = 0; v < depth.height; ++v)
     for (int u = 0; u < depth.width; ++u)
@@ -84,8 +87,7 @@ void draw_part(ColourImage& image, const DepthImage& depth, const Intrinsics& ca
 }  // namespace
 
 ColourImage draw_overlay(const DepthImage& depth, const Intrinsics& camera, const std::optional<PlacedMesh>& part) {
-  constexpr int smallest_side = 480;
-  const int factor = std::clamp(smallest_side / std::max(std::max(depth.width, depth.height), 1), 1, 6);
+  const int factor = enlargement(camera);
   const DepthImage large = enlarged(depth, factor);
   const Intrinsics large_camera = enlarged(camera, factor);
   ColourImage image{large.width, large.height, {}};
@@ -93,6 +95,37 @@ ColourImage draw_overlay(const DepthImage& depth, const Intrinsics& camera, cons
   draw_scene(image, large, large_camera);
   if (part) draw_part(image, large, large_camera, *part);
   return image;
+}
+
+ColourImage draw_normals(const PointCloud& cloud, const Intrinsics& camera) {
+  const int factor = enlargement(camera);
+  ColourImage image{camera.width * factor, camera.height * factor, {}};
+  image.pixels.assign(static_cast<std::size_t>(image.width) * image.height, Colour{0, 0, 0});
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector2d pixel = camera.project(cloud.points[i].cast<double>());
+    const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
+    if (u < 0 || v < 0 || u >= camera.width || v >= camera.height) continue;
+    const Eigen::Vector3f turned(cloud.normals[i].x(), cloud.normals[i].y(), -cloud.normals[i].z());
+    const Colour colour = scaled((turned + Eigen::Vector3f::Ones()) * 127.5f, 1);
+    for (int dv = 0; dv < factor; ++dv)
+      for (int du = 0; du < factor; ++du)
+        image.pixels[static_cast<std::size_t>(v * factor + dv) * image.width + u * factor + du] = colour;
+  }
+  return image;
+}
+
+ColourImage tile(const std::vector<ColourImage>& pictures, int columns) {
+  ColourImage out;
+  if (pictures.empty()) return out;
+  const int count = static_cast<int>(pictures.size()), width = pictures[0].width, height = pictures[0].height;
+  out.width = width * std::min(columns, count);
+  out.height = height * ((count + columns - 1) / columns);
+  out.pixels.assign(static_cast<std::size_t>(out.width) * out.height, Colour{12, 12, 16});
+  for (int i = 0; i < count; ++i)
+    for (int v = 0; v < height; ++v)
+      std::copy_n(pictures[i].pixels.begin() + static_cast<std::ptrdiff_t>(v) * width, width,
+                  out.pixels.begin() + static_cast<std::ptrdiff_t>(i / columns * height + v) * out.width + i % columns * width);
+  return out;
 }
 
 }  // namespace partpose

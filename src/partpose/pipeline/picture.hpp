@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <optional>
+#include <vector>
 
 namespace partpose {
 
@@ -21,5 +22,11 @@ struct PlacedMesh {
 /// pose: shaded orange with a bright outline; red where it lies more than 5 mm before what was measured, blue where it
 /// lies more than 5 mm behind. Small frames are enlarged.
 ColourImage draw_overlay(const DepthImage& depth, const Intrinsics& camera, const std::optional<PlacedMesh>& part);
+
+/// Normals as colours: red, green, blue for x, y, -z from -1 to 1; black where there is no point. The cloud needs normals.
+ColourImage draw_normals(const PointCloud& cloud, const Intrinsics& camera);
+
+/// Pictures of one size in rows of at most `columns`.
+ColourImage tile(const std::vector<ColourImage>& pictures, int columns);
 
 }  // namespace partpose
