@@ -197,7 +197,14 @@ GlobalPipelineConfig Recognizer::catalogue_config() {
   return config;
 }
 
+void RecognizerOptions::check() const {
+  if (!(min_score >= 0 && min_score <= 1)) throw Error("min_score {}: must be 0 to 1", min_score);
+  if (shortlist_views < 1) throw Error("shortlist_views {}: must be 1 or more", shortlist_views);
+  if (rolls < 1) throw Error("rolls {}: must be 1 or more", rolls);
+}
+
 Recognizer::Recognizer(Catalogue catalogue, RecognizerOptions options) : impl_(std::make_unique<Impl>()) {
+  options.check();
   impl_->catalogue = std::move(catalogue);
   impl_->options = options;
   impl_->config = catalogue_config();
@@ -246,6 +253,10 @@ Recognition Recognizer::recognize(const DepthImage& depth, const Intrinsics& cam
   const auto segments = time("segmentation", [&] { return segment(depth, camera, impl_->segmentation); });
   if (segments.empty()) {
     r.reason = "nothing of a part's size stands out from the table or the background";
+    const float farthest_mm = *std::max_element(depth.z_mm.begin(), depth.z_mm.end());
+    constexpr float nearest_camera_mm = 20;
+    if (farthest_mm > 0 && farthest_mm < nearest_camera_mm)
+      r.reason += fmt::format("; its farthest point is {:.3g} mm away: is it in metres?", farthest_mm);
     return r;
   }
   std::vector<Impl::OfSegment> found;

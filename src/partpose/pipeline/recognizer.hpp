@@ -13,9 +13,11 @@ namespace partpose {
 
 /// What the Recognizer may be told; the defaults are meant for all parts and cameras.
 struct RecognizerOptions {
-  float min_score = 0.72f;   ///< a candidate whose render-and-compare score is lower is not believed, 0 to 1
+  float min_score = 0.72f;    ///< a candidate whose render-and-compare score is lower is not believed, 0 to 1
   int shortlist_views = 400;  ///< views that go on from the descriptor's matching
   int rolls = 12;             ///< turns about the line of sight that each is tried at
+
+  void check() const;
 };
 
 /// The pipeline without a configuration: finds the objects in a frame, shortlists views by VFH, tries each at many turns,
