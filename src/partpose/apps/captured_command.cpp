@@ -95,7 +95,7 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
         judge(recognition, truth, set, recognizer.catalogue(), arguments, count_of_kind[truth.kind], line);
     fmt::print("{:<32} {:5.0f} ms  {}\n", truth.path.filename().string(), recognition.total_ms(), verdict);
     if (!common.quiet && recognition.accepted >= 0) print_pose(recognition.result.T_final);
-    if (jsonl) *jsonl << line.dump() << '\n';
+    if (jsonl) *jsonl << json_line(line) << '\n';
     if (!arguments.pictures.empty())
       write_png(arguments.pictures / (truth.path.stem().string() + ".png"),
                 picture_of(scene, recognition, recognizer.catalogue()));

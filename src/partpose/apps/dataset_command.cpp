@@ -6,7 +6,6 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/stopwatch.hpp"
 #include "partpose/dataset/dataset.hpp"
-#include "partpose/pipeline/config_file.hpp"
 #include "partpose/io/model_files.hpp"
 #include "partpose/pipeline/catalogue.hpp"
 #include "partpose/pipeline/config_file.hpp"

@@ -67,7 +67,7 @@ void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) 
   std::optional<std::ofstream> jsonl;
   if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
   const auto frames = run_protocol(pipeline, test, progress, [&](const auto& frame, const auto& recognition, const auto&) {
-    if (jsonl) *jsonl << frame_line(frame, recognition, pipeline.catalogue()).dump() << '\n';
+    if (jsonl) *jsonl << json_line(frame_line(frame, recognition, pipeline.catalogue())) << '\n';
   });
 
   fmt::print("{:<24} {:>6} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "part shown", "frames", "correct %", "wrong %",

@@ -7,7 +7,9 @@
 namespace partpose::apps {
 
 std::ofstream open_for_writing(const std::filesystem::path& path) {
-  std::ofstream file(path);
+  // Standard output may be a file that others append to: it is never truncated.
+  const bool standard_output = path == "-" || path == "/dev/stdout";
+  std::ofstream file(standard_output ? "/dev/stdout" : path, standard_output ? std::ios::app : std::ios::trunc);
   if (!file) throw Error("{}: cannot be written", path.string());
   return file;
 }

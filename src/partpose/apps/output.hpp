@@ -11,7 +11,7 @@
 
 namespace partpose::apps {
 
-/// Throws Error when the file cannot be written.
+/// "-" is standard output. Throws Error when the file cannot be written.
 std::ofstream open_for_writing(const std::filesystem::path& path);
 
 /// {"total": ms, step: ms, ...}

@@ -63,10 +63,20 @@ class AnyPipeline {
 
   Recognition recognize(const Scene& scene) const {
     if (global_) {
+      if (scene.depth && config_.preprocessing.scale_flag)
+        throw Error("{}: a depth image is in mm by its camera; preprocessing.scale_flag would scale it again: switch it off",
+                    scene.path.string());
       const auto notion = [](std::string_view step) { fmt::print(stderr, "{}\n", step); };
       return config_.debug.step_notion_to_cout ? global_->recognize(scene.cloud, notion) : global_->recognize(scene.cloud);
     }
     return scene.depth ? recognizer_->recognize(*scene.depth, *scene.intrinsics) : recognizer_->recognize(scene.cloud);
+  }
+
+  /// The scene as the pipeline sees it: the configuration may scale it.
+  Scene in_mm(const Scene& scene) const {
+    Scene out = scene;
+    if (global_ && config_.preprocessing.scale_flag) out.cloud = scaled(scene.cloud, config_.preprocessing.scale_factor);
+    return out;
   }
 
   const Catalogue& catalogue() const { return global_ ? global_->catalogue() : recognizer_->catalogue(); }
@@ -80,6 +90,8 @@ class AnyPipeline {
 
 int recognize_all(const RecognizeArguments& arguments, const Common& common) {
   const AnyPipeline pipeline(arguments, terminal_progress(common.quiet));
+  if (arguments.units == "m" && pipeline.config().preprocessing.scale_flag)
+    throw Error("recognize: --units m and the configuration's preprocessing.scale_flag would both scale the scenes");
   std::optional<std::ofstream> jsonl;
   if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
   if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
@@ -88,17 +100,17 @@ int recognize_all(const RecognizeArguments& arguments, const Common& common) {
     try {
       const Scene scene = read_scene(path, arguments.units == "m" ? 1000 : 1, arguments.camera);
       const Recognition recognition = pipeline.recognize(scene);
-      if (jsonl) *jsonl << line_of(path, recognition).dump() << std::endl;
+      if (jsonl) *jsonl << json_line(line_of(path, recognition)) << std::endl;
       if (!common.quiet || pipeline.config().debug.result_to_cout) print_for_people(path, recognition);
       if (!arguments.output.empty())
         write_iteration(arguments.output, recognition, scene.cloud, pipeline.catalogue(), pipeline.config());
       if (!arguments.pictures.empty())
         write_png(arguments.pictures / (path.stem().string() + ".png"),
-                  picture_of(scene, recognition, pipeline.catalogue()));
+                  picture_of(pipeline.in_mm(scene), recognition, pipeline.catalogue()));
     } catch (const Error& error) {
       // One bad scene does not lose the others.
       fmt::print(stderr, "partpose: {}\n", error.what());
-      if (jsonl) *jsonl << Json{{"scene", path.string()}, {"error", error.what()}}.dump() << std::endl;
+      if (jsonl) *jsonl << json_line(Json{{"scene", path.string()}, {"error", error.what()}}) << std::endl;
       ++failed;
     }
   }
@@ -124,7 +136,7 @@ void add_recognize_command(CLI::App& app, const Common& common, int& failures) {
   recognize->add_option("--units", arguments->units, "Unit of clouds' coordinates: mm or m")
       ->check(CLI::IsMember({"mm", "m"}))
       ->capture_default_str();
-  recognize->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here (/dev/stdout for the terminal)");
+  recognize->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here (-: standard output)");
   recognize->add_option("--pictures", arguments->pictures, "Write a picture of each scene with the part drawn over it here");
   recognize->add_option("-o,--output", arguments->output,
                         "Write an iteration output folder for each scene here (see the configuration's \"debug\")");

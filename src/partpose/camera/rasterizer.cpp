@@ -29,8 +29,8 @@ class Canvas {
       z_min = std::min(z_min, corner[k].z());
       z_max = std::max(z_max, corner[k].z());
     }
-    const int first_row = static_cast<int>(std::ceil(std::max(v_min - tolerance_px, 0.0)));
-    const int last_row = static_cast<int>(std::floor(std::min(v_max + tolerance_px, camera_.height - 1.0)));
+    const int first_row = static_cast<int>(std::ceil(std::clamp(v_min - tolerance_px, 0.0, double(camera_.height))));
+    const int last_row = static_cast<int>(std::floor(std::clamp(v_max + tolerance_px, -1.0, camera_.height - 1.0)));
     if (first_row > last_row) return;
 
     const Eigen::Vector3d normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
@@ -44,8 +44,8 @@ class Canvas {
     for (int v = first_row; v <= last_row; ++v) {
       const auto [left, right] = span(pixel, v);
       if (left > right) continue;
-      const int u0 = static_cast<int>(std::ceil(std::max(left - tolerance_px, 0.0)));
-      const int u1 = static_cast<int>(std::floor(std::min(right + tolerance_px, camera_.width - 1.0)));
+      const int u0 = static_cast<int>(std::ceil(std::clamp(left - tolerance_px, 0.0, double(camera_.width))));
+      const int u1 = static_cast<int>(std::floor(std::clamp(right + tolerance_px, -1.0, camera_.width - 1.0)));
       if (u0 > u1) continue;
       const auto start = static_cast<float>(per_u * u0 + per_v * v + constant);
       const auto step = static_cast<float>(per_u);

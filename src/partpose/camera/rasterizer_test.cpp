@@ -354,6 +354,27 @@ TEST(Rasterizer, DegenerateTrianglesLeaveTheImageAsItIs) {
   EXPECT_EQ(clean.triangle, dirty.triangle);
 }
 
+TEST(Rasterizer, FacesSeenEdgeOnStayBetweenTheirCorners) {
+  // A face whose plane holds the camera and the centres of a column of pixels: its depth there is anybody's guess, but
+  // not beyond the box.
+  const auto block = box({0, -30, 580}, {40, 30, 640});
+  const Intrinsics camera = {101, 81, 500, 480, 50, 40};
+  int on_column = 0;
+  for (int u = 40; u <= 60; ++u) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.rotate(Eigen::AngleAxisd(std::atan((u - 50) / 500.0), Eigen::Vector3d::UnitY()));
+    double nearest = 1e9, farthest = 0;
+    for (const auto& v : block.vertices) {
+      nearest = std::min(nearest, (pose * v.cast<double>()).z());
+      farthest = std::max(farthest, (pose * v.cast<double>()).z());
+    }
+    const auto depth = render(block, pose, camera).depth;
+    for (const float z : depth.z_mm) EXPECT_TRUE(z == 0 || (z > nearest - 1e-3 && z < farthest + 1e-3)) << z;
+    for (int v = 20; v <= 60; ++v) on_column += depth.at(u, v) > 0;
+  }
+  EXPECT_GT(on_column, 100);
+}
+
 TEST(Rasterizer, BothSidesAreDrawn) {
   for (const double turn_deg : {0.0, 180.0}) {
     Eigen::Isometry3d pose = at(0, 0, 500);

@@ -32,18 +32,15 @@ void Intrinsics::check() const {
   if (!std::isfinite(cx) || !std::isfinite(cy)) throw Error("camera: principal point cx = {}, cy = {} is not finite", cx, cy);
 }
 
-Intrinsics intrinsics_covering(const PointCloud& cloud, double pixel_size_rad, int margin_px) {
+Intrinsics intrinsics_covering(const PointCloud& cloud, double pixel_size_rad, int margin_px, int widest_px) {
   if (!(pixel_size_rad > 0)) throw Error("pixel size {} rad: must be positive", pixel_size_rad);
   Eigen::AlignedBox2d extent;
   for (const auto& p : cloud.points)
     if (p.allFinite() && p.z() > 0) extent.extend(Eigen::Vector2d(p.x(), p.y()) / p.z());
   if (extent.isEmpty()) throw Error("the cloud has no point before the camera (z > 0)");
   Intrinsics camera;
-  camera.fx = camera.fy = 1.0 / pixel_size_rad;
+  camera.fx = camera.fy = 1.0 / std::max(pixel_size_rad, extent.sizes().maxCoeff() / (widest_px - 1 - 2 * margin_px));
   const Eigen::Vector2d size = extent.sizes() * camera.fx + Eigen::Vector2d::Constant(1 + 2 * margin_px);
-  if (!(size.maxCoeff() <= 4096))
-    throw Error("the cloud spans {:.0f} x {:.0f} px: is the camera at its origin, and the cloud in millimetres?", size.x(),
-                size.y());
   camera.width = static_cast<int>(std::ceil(size.x()));
   camera.height = static_cast<int>(std::ceil(size.y()));
   camera.cx = margin_px - extent.min().x() * camera.fx;

@@ -35,10 +35,10 @@ struct Intrinsics {
   }
 };
 
-/// The camera at the origin whose image just covers a cloud, with pixels `pixel_size_rad` wide at the optical axis and
-/// `margin_px` around. Points behind the camera do not count. Throws Error when no point is before the camera, or when the
-/// image would exceed 4096 px a side.
-Intrinsics intrinsics_covering(const PointCloud& cloud, double pixel_size_rad, int margin_px = 2);
+/// The camera at the origin whose image just covers a cloud, with pixels `pixel_size_rad` wide at the optical axis (wider
+/// where the image would exceed `widest_px` a side) and `margin_px` around. Points behind the camera do not count. Throws
+/// Error when no point is before the camera.
+Intrinsics intrinsics_covering(const PointCloud& cloud, double pixel_size_rad, int margin_px = 2, int widest_px = 2000);
 
 /// Depth along the optical axis (z, not distance) in mm, row by row; 0 means no value.
 struct DepthImage {

@@ -14,12 +14,20 @@ namespace partpose {
 /// what would be right. "Nothing recognized" is never an Error.
 class Error : public std::runtime_error {
  public:
-  explicit Error(const std::string& message) : std::runtime_error(message) {}
+  explicit Error(std::string message) : std::runtime_error(one_line(std::move(message))) {}
 
   template <typename... Args>
   explicit Error(fmt::format_string<Args...> format, Args&&... args)
     requires(sizeof...(Args) > 0)
-      : std::runtime_error(fmt::format(format, std::forward<Args>(args)...)) {}
+      : Error(fmt::format(format, std::forward<Args>(args)...)) {}
+
+ private:
+  /// Whatever a file, or its name, brought into the message.
+  static std::string one_line(std::string text) {
+    for (char& c : text)
+      if (static_cast<unsigned char>(c) < ' ') c = ' ';
+    return text;
+  }
 };
 
 }  // namespace partpose

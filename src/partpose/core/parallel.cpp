@@ -11,18 +11,22 @@ namespace partpose {
 void parallel_ranges(std::size_t count, const std::function<void(std::size_t, std::size_t)>& body,
                      std::size_t smallest_range) {
   if (count == 0) return;
+  if (tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) == 1) {
+    body(0, count);  // a worker that is still awake would help otherwise
+    return;
+  }
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, smallest_range),
                     [&body](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
 }
 
 struct ThreadLimit::Impl {
+  explicit Impl(int threads)
+      : control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {}
   tbb::global_control control;
 };
 
 ThreadLimit::ThreadLimit(int threads) {
-  if (threads > 0)
-    impl_ = std::make_unique<Impl>(
-        Impl{tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads))});
+  if (threads > 0) impl_ = std::make_unique<Impl>(threads);
 }
 
 ThreadLimit::~ThreadLimit() = default;

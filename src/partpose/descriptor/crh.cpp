@@ -66,8 +66,10 @@ std::vector<RollPeak> roll_peaks(const CameraRollHistogram& source, const Camera
   const auto a = prepared(source), b = prepared(target);
   double energy_a = 0, energy_b = 0;
   for (int i = 0; i < crh_bins; ++i) energy_a += a[i] * a[i], energy_b += b[i] * b[i];
+  // Far below the energy that a single per cent of the normals in one bin would leave.
+  constexpr double no_structure = 1e-12;
+  if (!(energy_a > no_structure && energy_b > no_structure)) return {RollPeak{}};
   const double scale = std::sqrt(energy_a * energy_b);
-  if (!(scale > 1e-12)) return {RollPeak{}};
 
   std::array<double, crh_bins> correlation{};
   for (int shift = 0; shift < crh_bins; ++shift)

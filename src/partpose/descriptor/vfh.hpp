@@ -16,8 +16,8 @@ inline constexpr int vfh_bins = 4 * vfh_feature_bins + vfh_viewpoint_bins;
 /// Viewpoint Feature Histogram (Rusu et al. 2010) of a cloud with normals, seen from the origin: 308 bins, the angles
 /// alpha (atan2), phi and theta between the centroid's and each point's normal (45 bins each), the distances to the
 /// centroid (45 bins, the shape distribution component of Aldoma et al. 2012), and the viewpoint component (128 bins).
-/// The cloud must have at least one point, and normals. The same numbers as PCL 1.13 for the same points and normals;
-/// docs/descriptors.md lists the options that PCL does not have.
+/// The cloud must have at least one point, and normals. The same numbers as PCL 1.13 for the same points and normals
+/// in mm, but for what docs/descriptors.md lists.
 std::vector<float> vfh(const PointCloud& cloud, const VfhOptions& options);
 
 }  // namespace partpose

@@ -75,7 +75,8 @@ void estimate_normals(PointCloud& cloud, float radius_mm, const Eigen::Vector3f&
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
       solver.computeDirect(moments.covariance());
       const Eigen::Vector3d values = solver.eigenvalues().cwiseMax(0.0);
-      if (!(values[1] > 1e-9 * values[2])) continue;  // on a line (or one place): no direction of least variance
+      // On a line (or in one place), to the precision of float sums, there is no direction of least variance.
+      if (!(values[1] > 1e-5 * values[2])) continue;
       Eigen::Vector3f normal = solver.eigenvectors().col(0).cast<float>();
       if (normal.dot(viewpoint_mm - point) < 0) normal = -normal;
       cloud.normals[i] = normal;

@@ -29,15 +29,27 @@ Json read_json_file(const std::filesystem::path& path) {
 }
 
 void write_json_file(const std::filesystem::path& path, const Json& json) {
-  write_file_atomically(path, json.dump(2) + "\n");
+  std::string text;
+  try {
+    text = json.dump(2) + "\n";
+  } catch (const Json::exception&) {
+    throw Error("{}: cannot be written: a text in it is not UTF-8", path.string());
+  }
+  write_file_atomically(path, text);
 }
+
+std::string json_line(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 namespace json_detail {
 
 std::string what_it_is(const Json& json) {
   if (json.is_null()) return "null";
-  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  if (text.size() > 40) text = text.substr(0, 37) + "...";
+  std::string text = json_line(json);
+  if (text.size() > 40) {
+    std::size_t cut = 37;
+    while (cut > 0 && (static_cast<unsigned char>(text[cut]) & 0xC0) == 0x80) --cut;  // not within a UTF-8 letter
+    text = text.substr(0, cut) + "...";
+  }
   return fmt::format("{} {}", json.type_name(), text);
 }
 
@@ -58,6 +70,13 @@ void read_value(const Json& json, const std::string& key, Eigen::Isometry3d& out
     for (int c = 0; c < 4; ++c) matrix(r, c) = rows[r][c];
   if (!is_rigid(matrix)) throw Error("key \"{}\": not a rigid transformation (rotation and translation, 4x4)", key);
   out.matrix() = matrix;
+}
+
+Json write_float(float value) {
+  if (!std::isfinite(value)) return nullptr;
+  const Json shortest = Json::parse(fmt::format("{}", value));
+  const bool reads_back = shortest.is_number_float() && static_cast<float>(shortest.get<double>()) == value;
+  return reads_back ? shortest : Json(static_cast<double>(value));
 }
 
 Json write_value(const Eigen::Isometry3d& pose) {

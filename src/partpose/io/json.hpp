@@ -35,7 +35,9 @@ using Json = nlohmann::ordered_json;
 
 /// Parses a file. Throws Error naming the file, and the byte where it stops being JSON. A key given twice is an Error.
 Json read_json_file(const std::filesystem::path& path);
-/// Writes with two spaces of indentation, atomically.
+/// One line of text; bytes that are not UTF-8 (in a file's name) are replaced by the replacement character.
+std::string json_line(const Json& json);
+/// Writes with two spaces of indentation, atomically. Throws Error when a string is not UTF-8.
 void write_json_file(const std::filesystem::path& path, const Json& json);
 
 namespace json_detail {
@@ -131,6 +133,8 @@ void read_value(const Json& json, const std::string& key, std::optional<T>& out)
 
 void read_value(const Json& json, const std::string& key, Eigen::Isometry3d& out);
 Json write_value(const Eigen::Isometry3d& pose);
+/// The shortest decimal that reads back to the same float, not its long form as a double; null when it is not finite.
+Json write_float(float value);
 
 template <typename T>
 void read(const Json& json, const std::string& key, T& out) {
@@ -168,8 +172,7 @@ Json write(const T& value) {
   } else if constexpr (std::same_as<T, Eigen::Isometry3d>) {
     return write_value(value);
   } else if constexpr (std::same_as<T, float>) {
-    // The shortest decimal that reads back to the same float, not its long form as a double.
-    return std::isfinite(value) ? Json::parse(fmt::format("{}", value)) : Json(nullptr);
+    return write_float(value);
   } else if constexpr (std::same_as<T, std::string> || std::is_arithmetic_v<T>) {
     return value;
   } else {

@@ -375,7 +375,8 @@ TEST(JsonFile, AKeyGivenTwiceIsAnError) {
   };
   EXPECT_EQ(reading(R"({"a": 1, "b": 2, "a": 1})"), "key \"a\" is given twice#");
   EXPECT_EQ(reading(R"({"x": [{"a": 1}, {"b": {"c": 1, "c": 2}}]})"), "key \"c\" is given twice#");
-  const auto path = folder.file("a.json", R"({"a": {"a": 1}, "b": [{"a": 1}, {"a": 2}]})");
+  EXPECT_EQ(reading(R"({"a": {"c": 1}, "a": 2})"), "key \"a\" is given twice#") << "also across an object between";
+  const auto path = folder.file("a.json", R"({"a": {"a": 1, "b": 1}, "b": [{"a": 1}, {"a": 2}]})");
   EXPECT_EQ(error_of([&] { read_json_file(path); }), "no error") << "in other objects they may come again";
 }
 

@@ -114,7 +114,7 @@ Stored compute(const Dataset& dataset, const GlobalPipelineConfig& config, const
         dataset.view_path(dataset.out.models[i / view_count].id, dataset.out.views[i % view_count].id));
     OfView& out = of_view[i];
     PointCloud prepared = comparable_view(view, config);
-    out.num_of_points = static_cast<int>(view.size());
+    out.num_of_points = static_cast<int>(without_missing(view).size());
     out.descriptions = descriptor->describe(prepared);
     out.cloud = config.pose_refinement.voxelize_view ? voxel_grid(prepared, config.pose_refinement.voxel_size)
                                                      : std::move(prepared);

@@ -13,6 +13,11 @@ namespace partpose {
 
 namespace fs = std::filesystem;
 
+namespace {
+/// Raised whenever the same mesh gives other views.
+constexpr int renderer_version = 1;
+}  // namespace
+
 fs::path default_cache_folder() {
   if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return fs::path(xdg) / "partpose";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "partpose";
@@ -21,7 +26,7 @@ fs::path default_cache_folder() {
 
 Catalogue cached_catalogue(const std::vector<fs::path>& model_paths, const DatasetPreparationConfig& dataset,
                            const GlobalPipelineConfig& pipeline, const fs::path& cache_folder, const Progress& progress) {
-  std::string content = to_json(dataset).dump();
+  std::string content = fmt::format("renderer {}\n", renderer_version) + to_json(dataset).dump();
   for (const auto& path : model_paths) content += path.stem().string() + "\n" + content_hash(read_file(path)) + "\n";
   const fs::path folder = cache_folder / content_hash(content);
   try {

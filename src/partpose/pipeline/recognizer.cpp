@@ -253,7 +253,8 @@ Recognition Recognizer::recognize(const DepthImage& depth, const Intrinsics& cam
   const auto segments = time("segmentation", [&] { return segment(depth, camera, impl_->segmentation); });
   if (segments.empty()) {
     r.reason = "nothing of a part's size stands out from the table or the background";
-    const float farthest_mm = *std::max_element(depth.z_mm.begin(), depth.z_mm.end());
+    float farthest_mm = 0;
+    for (const float z : depth.z_mm) farthest_mm = std::max(farthest_mm, z);
     constexpr float nearest_camera_mm = 20;
     if (farthest_mm > 0 && farthest_mm < nearest_camera_mm)
       r.reason += fmt::format("; its farthest point is {:.3g} mm away: is it in metres?", farthest_mm);
@@ -331,8 +332,8 @@ void Recognizer::Impl::fit_to_depth(Candidate& candidate, const LabelledDepth& f
       refine_projectively(mesh_of(candidate), candidate.camera_from_model, depth, frame.camera, {.gate_mm = 10});
   candidate.T4 = refined.camera_from_model * candidate.camera_from_model.inverse() * candidate.T4;
   candidate.camera_from_model = refined.camera_from_model;
-  candidate.icp_fitness = static_cast<float>(refined.rms_mm);
-  candidate.icp_converged = refined.pixels > 0;
+  candidate.icp_converged = std::isfinite(refined.rms_mm);
+  candidate.icp_fitness = candidate.icp_converged ? static_cast<float>(refined.rms_mm) : -1;
 }
 
 RenderComparison Recognizer::Impl::compare(const Candidate& candidate, const LabelledDepth& frame,
@@ -359,7 +360,8 @@ void Recognizer::Impl::decide(std::vector<Candidate>& candidates, const Labelled
   while (contenders < candidates.size() && candidates[contenders].score >= contender_share * candidates[0].score)
     ++contenders;
   float noise_mm = std::numeric_limits<float>::infinity();
-  for (std::size_t i = 0; i < contenders; ++i) noise_mm = std::min(noise_mm, candidates[i].icp_fitness);
+  for (std::size_t i = 0; i < contenders; ++i)
+    if (candidates[i].icp_converged) noise_mm = std::min(noise_mm, candidates[i].icp_fitness);
   const RenderCompareOptions close{.tolerance_mm = std::clamp(3 * noise_mm, 1.5f, 4.0f)};
 
   std::vector<std::pair<double, std::size_t>> close_score(contenders);
@@ -382,10 +384,14 @@ void Recognizer::Impl::decide(std::vector<Candidate>& candidates, const Labelled
   }
   decided.insert(decided.end(), candidates.begin() + static_cast<std::ptrdiff_t>(contenders), candidates.end());
   candidates = std::move(decided);
-  for (auto& candidate : candidates) {
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    Candidate& candidate = candidates[i];
     candidate.verified = true;
-    candidate.verification.accepted = candidate.score >= options.min_score;
-    candidate.verification.reason = fmt::format("scores {:.2f}", candidate.score);
+    candidate.verification.accepted = i == 0 && candidate.score >= options.min_score;
+    candidate.verification.reason =
+        candidate.score < options.min_score
+            ? fmt::format("scores {:.2f}, below {:.2f}", candidate.score, options.min_score)
+            : fmt::format("scores {:.2f}, but agrees less closely than another", candidate.score);
   }
 }
 

@@ -28,7 +28,7 @@ struct Result {
     visit("T_final", self.T_final, "camera_from_model, 4x4 [mm]");
     visit("candidate_id", self.candidate_id, "-1: nothing recognized");
     visit("icp_converged", self.icp_converged, "whether the refinement converged");
-    visit("icp_fitness", self.icp_fitness, "mean distance of scene and candidate [mm]");
+    visit("icp_fitness", self.icp_fitness, "mean distance of scene and candidate [mm]; of the Recognizer: root mean square, point to plane");
     visit("match_distance", self.match_distance, "L1 distance of the descriptors");
     visit("model_id", self.model_id, "the part");
     visit("model_name", self.model_name, "the part");
@@ -63,8 +63,8 @@ struct CandidateExtras {
     visit("T_4", self.T_4, "refinement, 4x4 [mm]");
     visit("T_final", self.T_final, "T_4 T_3 T_2 T_1 = camera_from_model, 4x4 [mm]");
     visit("icp_converged", self.icp_converged, "whether the refinement converged");
-    visit("icp_fitness", self.icp_fitness, "mean distance of scene and candidate [mm]");
-    visit("id", self.id, "rank in the matching, before the sorting by fitness");
+    visit("icp_fitness", self.icp_fitness, "mean distance of scene and candidate [mm]; of the Recognizer: root mean square, point to plane");
+    visit("id", self.id, "rank before the last sorting");
     visit("match_distance", self.match_distance, "L1 distance of the descriptors");
     visit("model_id", self.model_id, "the part");
     visit("model_name", self.model_name, "the part");
@@ -102,7 +102,7 @@ struct MeasuredOperation {
 
 /// C.2.3, with `score` and `verdict` beside.
 struct Extras {
-  std::vector<CandidateExtras> candidate_extras;  ///< sorted by fitness
+  std::vector<CandidateExtras> candidate_extras;  ///< in the order of the decision
   SceneExtras scene_extras;
   std::vector<MeasuredOperation> time_profiling;
   std::string timestamp;

@@ -103,12 +103,9 @@ TEST(WithoutRadiusOutliers, APointIsNotItsOwnNeighbour) {
   EXPECT_TRUE(without_radius_outliers(PointCloud{}, 1, 1).empty());
 }
 
-TEST(WithoutStatisticalOutliers, ByItsDefinition) {
-  Random random(3);
-  auto cloud = random_cube(random, 400, 10, {0, 0, 600});
-  append(cloud, random_cube(random, 40, 40, {0, 0, 600}));
+void expect_statistical_outliers_by_definition(PointCloud cloud, const std::vector<int>& neighbour_counts) {
   for (std::size_t i = 0; i < cloud.size(); ++i) cloud.curvatures.push_back(static_cast<float>(i));
-  for (const int neighbours : {1, 8, 50}) {
+  for (const int neighbours : neighbour_counts) {
     std::vector<double> mean_distance;
     for (const auto& p : cloud.points) {
       std::vector<double> distances;
@@ -127,6 +124,14 @@ TEST(WithoutStatisticalOutliers, ByItsDefinition) {
       EXPECT_EQ(without_statistical_outliers(cloud, neighbours, deviations).curvatures, expected.curvatures);
     }
   }
+}
+
+TEST(WithoutStatisticalOutliers, ByTheirDefinition) {
+  Random random(3);
+  auto cloud = random_cube(random, 400, 10, {0, 0, 600});
+  append(cloud, random_cube(random, 40, 40, {0, 0, 600}));
+  expect_statistical_outliers_by_definition(cloud, {1, 8, 50});
+  for (int i = 0; i < 100; ++i) expect_statistical_outliers_by_definition(random_cube(random, 6, 10), {1, 3});
 }
 
 TEST(WithoutStatisticalOutliers, RemovesAFarPoint) {
@@ -317,6 +322,15 @@ TEST(WithNormals, DropsGrazingPoints) {
       for (const auto& normal : kept.normals) EXPECT_NEAR(angle_deg(normal.cast<double>(), {0, 0, -1}), tilt_deg, 0.05);
     }
   }
+}
+
+TEST(WithNormals, JudgesByTheOpticalAxisNotByTheRay) {
+  // A plate parallel to the image, 27 degrees off the axis.
+  Random random(13);
+  auto cloud = transformed(surface_points(plane_patch(60, 60), 1500, random),
+                           Eigen::Isometry3d(Eigen::Translation3d(300, 0, 600)));
+  cloud.normals.clear();
+  EXPECT_EQ(with_normals(cloud, {.normal_to_view_angle_deviation_degrees = 10}).size(), 1500);
 }
 
 TEST(WithNormals, DropsPointsWithoutANormal) {

@@ -243,11 +243,7 @@ std::optional<double> angular_spacing_rad(const PointCloud& cloud) {
 std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px) {
   const auto spacing = angular_spacing_rad(cloud);
   if (!spacing) return std::nullopt;
-  Eigen::AlignedBox2f extent;
-  for (const auto& p : cloud.points) extent.extend(Eigen::Vector2f(p.head<2>() / p.z()));
-  // A few points close together must not ask for an image of gigapixels.
-  constexpr double widest_px = 2000;
-  return intrinsics_covering(cloud, std::max(1.5 * *spacing, extent.sizes().maxCoeff() / widest_px), margin_px);
+  return intrinsics_covering(cloud, 1.5 * *spacing, margin_px);
 }
 
 std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, const SegmentationOptions& options) {

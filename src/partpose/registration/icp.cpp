@@ -56,19 +56,17 @@ Pairs find_pairs(const PointCloud& source, const PointCloud& target, const KdTre
 /// The motion that brings the source points (already at their present pose) nearer to their partners.
 Eigen::Isometry3d best_step(const PointCloud& source, const PointCloud& target, const std::vector<Pair>& pairs,
                             const Eigen::Isometry3d& target_from_source, bool symmetric) {
-  Eigen::Vector3d source_mean = Eigen::Vector3d::Zero(), target_mean = Eigen::Vector3d::Zero();
-  for (const auto& pair : pairs) {
-    source_mean += target_from_source * source.points[pair.source].cast<double>();
-    target_mean += target.points[pair.target].cast<double>();
-  }
-  source_mean /= static_cast<double>(pairs.size());
-  target_mean /= static_cast<double>(pairs.size());
+  // One centre for both clouds: what the pairs do not determine stays where it is.
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const auto& pair : pairs)
+    centre += target_from_source * source.points[pair.source].cast<double>() + target.points[pair.target].cast<double>();
+  centre /= 2.0 * static_cast<double>(pairs.size());
 
   NormalEquations equations;
   const Eigen::Matrix3d rotation = target_from_source.linear();
   for (const auto& pair : pairs) {
-    const Eigen::Vector3d p = target_from_source * source.points[pair.source].cast<double>() - source_mean;
-    const Eigen::Vector3d q = target.points[pair.target].cast<double>() - target_mean;
+    const Eigen::Vector3d p = target_from_source * source.points[pair.source].cast<double>() - centre;
+    const Eigen::Vector3d q = target.points[pair.target].cast<double>() - centre;
     Eigen::Vector3d n = target.normals[pair.target].cast<double>();
     Eigen::Vector3d arm = p;
     if (symmetric) {
@@ -90,10 +88,10 @@ Eigen::Isometry3d best_step(const PointCloud& source, const PointCloud& target, 
     const double angle = std::atan(turn.norm());
     const Eigen::Matrix3d half = rotation_from_vector(turn.norm() > 0 ? Eigen::Vector3d(turn.normalized() * angle) : turn);
     step.linear() = half * half;
-    step.translation() = target_mean + half * (shift * std::cos(angle)) - step.linear() * source_mean;
+    step.translation() = centre + half * (shift * std::cos(angle)) - step.linear() * centre;
   } else {
     step.linear() = rotation_from_vector(turn);
-    step.translation() = target_mean + shift - step.linear() * source_mean;
+    step.translation() = centre + shift - step.linear() * centre;
   }
   return step;
 }

@@ -55,9 +55,9 @@ struct IcpResult {
 };
 
 /// Registers `source` to `target`, both with normals, starting from where the source lies. Each iteration solves the
-/// linearised objective in double precision about the centroid of the pairs: rotation about the part, not the camera.
+/// linearised objective in double precision about the centre of the pairs: rotation about the part, not the camera.
 /// Point-to-plane (Chen and Medioni 1992) or the symmetric objective (Rusinkiewicz 2019, eq. 9 and 11). Directions that the
-/// pairs leave free (the turn of a cylinder) are not moved. Fewer than six pairs: not converged, stops.
+/// pairs leave free (the turn of a cylinder) are not moved. Gives up when the pairs come no nearer for ten iterations. Fewer than six pairs: not converged, stops.
 IcpResult icp(const PointCloud& source, const PointCloud& target, const KdTree& target_tree,
               const PoseRefinementOptions& options);
 

@@ -362,8 +362,8 @@ TEST(Icp, FarPairsDoNotCount) {
 /// Pairs of a source at its present place with the target as the library's rules say: nearest, normals at most 90
 /// degrees apart; no gate.
 struct Pairing {
-  std::vector<Eigen::Vector3d> p, q, n;  ///< about the centroids, n the (mean) normal of unit length
-  Eigen::Vector3d p_mean = Eigen::Vector3d::Zero(), q_mean = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> p, q, n;  ///< about the centre of all, n the (mean) normal of unit length
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 
   Pairing(const PointCloud& source, const PointCloud& target, bool symmetric) {
     for (std::size_t i = 0; i < source.size(); ++i) {
@@ -378,10 +378,10 @@ struct Pairing {
       n.push_back(target.normals[nearest].cast<double>());
       if (symmetric) n.back() = (n.back() + source.normals[i].cast<double>()).normalized();
     }
-    for (const auto& v : p) p_mean += v / static_cast<double>(p.size());
-    for (const auto& v : q) q_mean += v / static_cast<double>(q.size());
-    for (auto& v : p) v -= p_mean;
-    for (auto& v : q) v -= q_mean;
+    for (const auto* points : {&p, &q})
+      for (const auto& v : *points) centre += v / (2.0 * static_cast<double>(p.size()));
+    for (auto* points : {&p, &q})
+      for (auto& v : *points) v -= centre;
   }
 };
 
@@ -416,7 +416,7 @@ Eigen::Isometry3d motion_of(const Pairing& pairs, const Vector6& x, bool symmetr
   Eigen::Isometry3d motion(turn);
   motion.translation() = x.tail<3>();
   if (symmetric) motion = Eigen::Isometry3d(turn) * Eigen::Translation3d(x.tail<3>()) * Eigen::Isometry3d(turn);
-  return Eigen::Translation3d(pairs.q_mean) * motion * Eigen::Translation3d(-pairs.p_mean);
+  return Eigen::Translation3d(pairs.centre) * motion * Eigen::Translation3d(-pairs.centre);
 }
 
 TEST(IcpStep, IsTheMinimumOfItsObjective) {

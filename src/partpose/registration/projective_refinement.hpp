@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include <limits>
+
 namespace partpose {
 
 struct ProjectiveRefinementOptions {
@@ -17,8 +19,8 @@ struct ProjectiveRefinementOptions {
 
 struct ProjectiveRefinement {
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
-  int pixels = 0;     ///< that counted in the last iteration
-  double rms_mm = 0;  ///< of their point-to-plane distances
+  int pixels = 0;     ///< pairs in the last iteration; fewer than 20 say nothing, and nothing is moved
+  double rms_mm = std::numeric_limits<double>::infinity();  ///< of their point-to-plane distances; infinite without any
 };
 
 /// Moves a part so that its rendered surface meets the measured depth: each iteration renders the part, pairs each pixel's

@@ -78,6 +78,8 @@ TEST(RenderCompare, DepthsThatDifferByTheToleranceExplainNothing) {
   EXPECT_NEAR(score_of(2), 1 - 0.25, 0.02) << "half of the tolerance costs a quarter";
   EXPECT_NEAR(score_of(4.1), 0, 0.02);
   EXPECT_NEAR(score_of(50), 0, 0.02);
+  const auto deeper = render_and_compare(plate, at(0, 0, 606), frame, {});
+  EXPECT_EQ(deeper.unexplained, 0) << "the part is rendered there, if at another depth";
 }
 
 TEST(RenderCompare, APartBeforeTheBackgroundCannotBeThere) {
