@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace partpose {
 
@@ -120,6 +121,14 @@ void sort_by_score(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
 }
 
+/// Those that may be right, of candidates by falling score.
+std::span<const Candidate> contenders_of(const std::vector<Candidate>& candidates) {
+  constexpr float share = 0.75f;
+  std::size_t count = 0;
+  while (count < candidates.size() && candidates[count].score >= share * candidates[0].score) ++count;
+  return {candidates.data(), count};
+}
+
 class StageTimes {
  public:
   explicit StageTimes(std::vector<MeasuredOperation>& stages) : stages_(stages) {}
@@ -164,10 +173,11 @@ struct Recognizer::Impl {
     PointCloud cloud, with_normals, refinement_scene;
     std::vector<Candidate> candidates;  ///< best score first
 
+    double best_score = 0;              ///< of the best candidate; from the decision on, at its close tolerance
+
     /// By which segments are compared: how well the best candidate explains it, and, less, how large it is.
     double evidence() const {
-      const double score = candidates[0].score;
-      return score * score * std::pow(static_cast<double>(segment->pixels.size()), 0.25);
+      return best_score * best_score * std::pow(static_cast<double>(segment->pixels.size()), 0.25);
     }
   };
 
@@ -183,8 +193,9 @@ struct Recognizer::Impl {
                            const RenderCompareOptions& compare_options) const;
   /// Decides the segments that may be the frame's best object, and puts the best one first.
   void decide_among(std::vector<OfSegment>& found, const DepthImage& depth, const Intrinsics& camera) const;
-  /// Orders the candidates, given by falling score, for good, and gives each its verdict.
-  void decide(std::vector<Candidate>& candidates, const LabelledDepth& frame) const;
+  /// Orders the candidates, given by falling score, by how closely they agree at `close_tolerance_mm`, and gives each its
+  /// verdict. Returns the best one's score at that tolerance.
+  double decide(std::vector<Candidate>& candidates, const LabelledDepth& frame, float close_tolerance_mm) const;
   const TriangleMesh& mesh_of(const Candidate& candidate) const {
     return catalogue.parts[catalogue.views[candidate.view_row].part].mesh;
   }
@@ -323,6 +334,7 @@ Recognizer::Impl::OfSegment Recognizer::Impl::recognize(const DepthImage& depth,
       out.candidates[i].score = static_cast<float>(compare(out.candidates[i], coarse, {}).score());
     });
     sort_by_score(out.candidates);
+    out.best_score = out.candidates[0].score;
   });
   return out;
 }
@@ -343,27 +355,28 @@ RenderComparison Recognizer::Impl::compare(const Candidate& candidate, const Lab
 
 void Recognizer::Impl::decide_among(std::vector<OfSegment>& found, const DepthImage& depth,
                                     const Intrinsics& camera) const {
-  constexpr std::size_t most_decided = 3;
+  constexpr double least_share = 0.4;  // of the best one's evidence so far: a closer look changes it, but not by more
   const auto by_evidence = [](const OfSegment& a, const OfSegment& b) { return a.evidence() > b.evidence(); };
   std::stable_sort(found.begin(), found.end(), by_evidence);
-  if (found.size() > most_decided) found.resize(most_decided);
+  while (!found.empty() && found.back().evidence() < least_share * found.front().evidence()) found.pop_back();
+  // Three deviations of the noise that the best fit of all leaves: a tolerance that tells look-alikes, and what merely
+  // resembles a part, from the part.
+  float noise_mm = std::numeric_limits<float>::infinity();
+  for (const auto& of_segment : found)
+    for (const auto& candidate : contenders_of(of_segment.candidates))
+      if (candidate.icp_converged) noise_mm = std::min(noise_mm, candidate.icp_fitness);
+  const float close_tolerance_mm = std::clamp(3 * noise_mm, 1.5f, RenderCompareOptions{}.tolerance_mm);
   for (auto& of_segment : found)
-    decide(of_segment.candidates, cut_out(depth, camera, *of_segment.segment, segmentation.largest_part_mm, 6000));
+    of_segment.best_score =
+        decide(of_segment.candidates, cut_out(depth, camera, *of_segment.segment, segmentation.largest_part_mm, 6000),
+               close_tolerance_mm);
   std::stable_sort(found.begin(), found.end(), by_evidence);
 }
 
-void Recognizer::Impl::decide(std::vector<Candidate>& candidates, const LabelledDepth& frame) const {
-  // Those that may be right are looked at more closely: more pixels, and a tolerance of three deviations of the noise
-  // that the best of them leaves, which tells look-alikes apart.
-  constexpr float contender_share = 0.75f;
-  std::size_t contenders = 0;
-  while (contenders < candidates.size() && candidates[contenders].score >= contender_share * candidates[0].score)
-    ++contenders;
-  float noise_mm = std::numeric_limits<float>::infinity();
-  for (std::size_t i = 0; i < contenders; ++i)
-    if (candidates[i].icp_converged) noise_mm = std::min(noise_mm, candidates[i].icp_fitness);
-  const RenderCompareOptions close{.tolerance_mm = std::clamp(3 * noise_mm, 1.5f, 4.0f)};
-
+double Recognizer::Impl::decide(std::vector<Candidate>& candidates, const LabelledDepth& frame,
+                                float close_tolerance_mm) const {
+  const std::size_t contenders = contenders_of(candidates).size();
+  const RenderCompareOptions close{.tolerance_mm = close_tolerance_mm};
   std::vector<std::pair<double, std::size_t>> close_score(contenders);
   std::vector<RenderComparison> comparison(contenders);
   parallel_for(contenders, [&](std::size_t i) {
@@ -377,6 +390,7 @@ void Recognizer::Impl::decide(std::vector<Candidate>& candidates, const Labelled
     comparison[i] = compare(candidate, frame, {});
   });
   std::sort(close_score.begin(), close_score.end());
+  const double best_close_score = contenders > 0 ? -close_score[0].first : 0.0;
   std::vector<Candidate> decided;
   for (const auto& [negative_score, i] : close_score) {
     candidates[i].score = static_cast<float>(comparison[i].score());
@@ -393,6 +407,7 @@ void Recognizer::Impl::decide(std::vector<Candidate>& candidates, const Labelled
             ? fmt::format("scores {:.2f}, below {:.2f}", candidate.score, options.min_score)
             : fmt::format("scores {:.2f}, but agrees less closely than another", candidate.score);
   }
+  return best_close_score;
 }
 
 std::vector<Hypothesis> Recognizer::Impl::shortlist(const PointCloud& cloud) const {
