@@ -66,6 +66,11 @@ for file in result.json extras.json used_dataset.json used_pipeline_config.json;
 sed 's/"save_point_clouds": false/"save_point_clouds": true/' "$root/configs/pipeline_virtual.json" >clouds.json
 good "all output files" recognize --dataset dataset --config clouds.json --output clouds dataset/models/0001/views/0007.pcd
 for file in candidate_0.ply candidate_5.ply result_full.ply result_partial.pcd result_partial.ply scene_cloud_w_normals.pcd scene_cloud_w_normals.ply scene_original.ply; do [ -s clouds/*/$file ] || fail "clouds/*/$file is missing"; done
+cat >small.json <<<'{"virtual_views_icosahedron": {"subdivide": 0}}'
+good "small dataset" dataset --models parts --config small.json --output small
+good "evaluate" evaluate --dataset small --test small --config "$root/configs/pipeline_virtual.json" --output evaluated --jsonl lines.jsonl
+[ "$(wc -l <lines.jsonl)" -eq 24 ] || fail "evaluate: $(wc -l <lines.jsonl) lines instead of 24"
+[ "$(ls evaluated/*/evaluation.json evaluated/*/evaluation_dataset.json | wc -l)" -eq 48 ] || fail "evaluation.json is missing"
 good "dataset without configuration" recognize --dataset dataset --jsonl lines.jsonl "$frame"
 good "captured set" captured "$root/scenes" --models "$root/parts" --kind instance
 

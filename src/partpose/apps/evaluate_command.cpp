@@ -9,6 +9,7 @@
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/pipeline/config_file.hpp"
+#include "partpose/pipeline/iteration_output.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -28,6 +29,7 @@ struct EvaluateArguments {
   fs::path test;
   fs::path config;
   fs::path jsonl;
+  fs::path output;
   double limit_deg = 15;
   double limit_mm = 15;
 };
@@ -66,9 +68,14 @@ void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) 
   const Dataset test = open_dataset(arguments.test);
   std::optional<std::ofstream> jsonl;
   if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
-  const auto frames = run_protocol(pipeline, test, progress, [&](const auto& frame, const auto& recognition, const auto&) {
+  const auto on_frame = [&](const ProtocolFrame& frame, const Recognition& recognition, const PointCloud& scene) {
     if (jsonl) *jsonl << json_line(frame_line(frame, recognition, pipeline.catalogue())) << '\n';
-  });
+    if (arguments.output.empty()) return;
+    const fs::path iteration = write_iteration(arguments.output, recognition, scene, pipeline.catalogue(), config);
+    write_json(iteration / "evaluation.json", frame.evaluation);
+    write_json(iteration / "evaluation_dataset.json", test.out);
+  };
+  const auto frames = run_protocol(pipeline, test, progress, on_frame);
 
   fmt::print("{:<24} {:>6} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "part shown", "frames", "correct %", "wrong %",
              "none %", "pose right %", "median ms", "p95 ms");
@@ -92,6 +99,8 @@ void add_evaluate_command(CLI::App& app, const Common& common) {
   evaluate->add_option("-t,--test", arguments->test, "Dataset folder whose views are the scenes")->required();
   evaluate->add_option("-c,--config", arguments->config, "Pipeline JSON");
   evaluate->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each frame here");
+  evaluate->add_option("-o,--output", arguments->output,
+                       "Write an iteration output folder for each frame here, with evaluation.json in it");
   evaluate->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")->capture_default_str();
   evaluate->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")->capture_default_str();
   evaluate->footer("Example (ground-truth protocol):\n"
