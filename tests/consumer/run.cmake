@@ -1,4 +1,4 @@
-# cmake -DBUILD=... -DSOURCE=... -P run.cmake: installs into a fresh prefix, builds the consumer against it, runs it.
+# cmake -DBUILD=... -DSOURCE=... -DGENERATOR=... -P run.cmake: installs into a fresh prefix, builds the consumer against it, runs it.
 set(prefix ${BUILD}/consumer/prefix)
 file(REMOVE_RECURSE ${BUILD}/consumer)
 macro(run)
@@ -8,7 +8,7 @@ macro(run)
   endif()
 endmacro()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer -B ${BUILD}/consumer/build -DCMAKE_PREFIX_PATH=${prefix}
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/tests/consumer -B ${BUILD}/consumer/build -DCMAKE_PREFIX_PATH=${prefix}
     -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${BUILD}/consumer/build)
 run(${BUILD}/consumer/build/consumer ${SOURCE}/parts ${SOURCE}/scenes/bracket.png ${BUILD}/consumer/cache)
