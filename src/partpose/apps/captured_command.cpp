@@ -6,6 +6,7 @@
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
+#include "partpose/core/text.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/io/model_files.hpp"
 #include "partpose/io/png.hpp"
@@ -72,6 +73,17 @@ std::string judge(const Recognition& recognition, const CapturedScene& truth, co
                      error.rotation_deg, error.translation_mm);
 }
 
+/// A truth that names none of the parts is more likely a slip than a test.
+void check_models_are_known(const CapturedSet& set, const Catalogue& catalogue) {
+  std::vector<std::string> names;
+  for (const auto& part : catalogue.parts) names.push_back(part.name);
+  for (const auto& scene : set.scenes)
+    if (!scene.model_name.empty() && std::find(names.begin(), names.end(), scene.model_name) == names.end())
+      throw Error("{}: model \"{}\" of {} is none of the parts; did you mean \"{}\", or null?",
+                  (set.folder / "gt.json").string(), scene.model_name, scene.path.filename().string(),
+                  nearest_word(scene.model_name, names));
+}
+
 void evaluate_captured(const CapturedArguments& arguments, const Common& common) {
   const CapturedSet set = read_captured_set(arguments.set);
   const Recognizer recognizer(cached_catalogue(
@@ -82,6 +94,8 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
   if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
   if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
 
+  PictureNames picture_names(arguments.pictures);
+  check_models_are_known(set, recognizer.catalogue());
   std::map<std::string, Count> count_of_kind;
   for (const auto& truth : set.scenes) {
     if (!arguments.kinds.empty() &&
@@ -89,7 +103,9 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
       continue;
     const Scene scene = read_scene(truth.path);
     const Recognition recognition =
-        scene.depth ? recognizer.recognize(*scene.depth, *scene.intrinsics) : recognizer.recognize(scene.cloud);
+        named_after(truth.path, [&] {
+          return scene.depth ? recognizer.recognize(*scene.depth, *scene.intrinsics) : recognizer.recognize(scene.cloud);
+        });
     Json line = line_of(truth.path, recognition);
     const std::string verdict =
         judge(recognition, truth, set, recognizer.catalogue(), arguments, count_of_kind[truth.kind], line);
@@ -97,8 +113,7 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
     if (!common.quiet && recognition.accepted >= 0) print_pose(recognition.result.T_final);
     if (jsonl) *jsonl << json_line(line) << '\n';
     if (!arguments.pictures.empty())
-      write_png(arguments.pictures / (truth.path.stem().string() + ".png"),
-                picture_of(scene, recognition, recognizer.catalogue()));
+      write_png(picture_names.next(truth.path), picture_of(scene, recognition, recognizer.catalogue()));
   }
   fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10}\n", "kind", "frames", "right", "wrong", "none", "pose right",
              "median ms");

@@ -9,6 +9,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <memory>
 
 namespace {
@@ -59,6 +60,8 @@ int main(int argc, char** argv) {
     return fail(fmt::format("{} (see partpose --help)", error.what()));
   } catch (const Error& error) {
     return fail(error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(fmt::format("{}: {}", error.path1().string(), error.code().message()));
   } catch (const std::bad_alloc&) {
     return fail("out of memory: the input is too large for this machine");
   } catch (const std::exception& error) {

@@ -64,8 +64,7 @@ class AnyPipeline {
   Recognition recognize(const Scene& scene) const {
     if (global_) {
       if (scene.depth && config_.preprocessing.scale_flag)
-        throw Error("{}: a depth image is in mm by its camera; preprocessing.scale_flag would scale it again: switch it off",
-                    scene.path.string());
+        throw Error("a depth image is in mm by its camera; preprocessing.scale_flag would scale it again: switch it off");
       const auto notion = [](std::string_view step) { fmt::print(stderr, "{}\n", step); };
       return config_.debug.step_notion_to_cout ? global_->recognize(scene.cloud, notion) : global_->recognize(scene.cloud);
     }
@@ -88,25 +87,39 @@ class AnyPipeline {
   std::optional<Recognizer> recognizer_;
 };
 
+/// Throws Error when an output would replace a scene.
+void check_keeps_scenes(const fs::path& output, const std::vector<fs::path>& scenes) {
+  std::error_code ignored;
+  for (const auto& scene : scenes)
+    if (fs::equivalent(output, scene, ignored))
+      throw Error("{}: is a scene; give another place for the output, which would replace it", output.string());
+}
+
 int recognize_all(const RecognizeArguments& arguments, const Common& common) {
   const AnyPipeline pipeline(arguments, terminal_progress(common.quiet));
   if (arguments.units == "m" && pipeline.config().preprocessing.scale_flag)
     throw Error("recognize: --units m and the configuration's preprocessing.scale_flag would both scale the scenes");
   std::optional<std::ofstream> jsonl;
-  if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
+  if (!arguments.jsonl.empty()) {
+    check_keeps_scenes(arguments.jsonl, arguments.scenes);
+    jsonl.emplace(open_for_writing(arguments.jsonl));
+  }
+  PictureNames picture_names(arguments.pictures);
   if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
   int failed = 0;
   for (const auto& path : arguments.scenes) {
     try {
       const Scene scene = read_scene(path, arguments.units == "m" ? 1000 : 1, arguments.camera);
-      const Recognition recognition = pipeline.recognize(scene);
+      const Recognition recognition = named_after(path, [&] { return pipeline.recognize(scene); });
       if (jsonl) *jsonl << json_line(line_of(path, recognition)) << std::endl;
       if (!common.quiet || pipeline.config().debug.result_to_cout) print_for_people(path, recognition);
       if (!arguments.output.empty())
         write_iteration(arguments.output, recognition, scene.cloud, pipeline.catalogue(), pipeline.config());
-      if (!arguments.pictures.empty())
-        write_png(arguments.pictures / (path.stem().string() + ".png"),
-                  picture_of(pipeline.in_mm(scene), recognition, pipeline.catalogue()));
+      if (!arguments.pictures.empty()) {
+        const fs::path picture = picture_names.next(path);
+        check_keeps_scenes(picture, arguments.scenes);
+        write_png(picture, picture_of(pipeline.in_mm(scene), recognition, pipeline.catalogue()));
+      }
     } catch (const Error& error) {
       // One bad scene does not lose the others.
       fmt::print(stderr, "partpose: {}\n", error.what());

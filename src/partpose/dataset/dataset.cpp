@@ -12,9 +12,11 @@
 #include "partpose/io/pcd.hpp"
 #include "partpose/io/stl.hpp"
 
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <mutex>
 #include <set>
 
@@ -107,6 +109,30 @@ bool is_only_a_dataset(const fs::path& folder) {
   return found;
 }
 
+/// A part that the cameras would stand in, or would not see, is in another unit than it should be.
+void check_size(const TriangleMesh& mesh, const DatasetPreparationConfig& config, const fs::path& path) {
+  const double diagonal_mm = bounding_box_diagonal(mesh);
+  const double distance_mm = config.virtual_views_icosahedron.capture_distance_mm;
+  if (diagonal_mm / 2 >= distance_mm)
+    throw Error("{}: is {:.4g} mm large, too large for cameras at {:.4g} mm: is it in millimetres? If so, raise "
+                "capture_distance_mm", path.string(), diagonal_mm, distance_mm);
+  constexpr double fewest_px = 3;
+  if (diagonal_mm * config.virtual_depth_camera.intrinsics().fx / distance_mm < fewest_px)
+    throw Error("{}: is {:.4g} mm large, too small to be seen from {:.4g} mm: is it in millimetres?", path.string(),
+                diagonal_mm, distance_mm);
+}
+
+/// What killed processes left half-written beside a dataset.
+void remove_leftovers(const fs::path& target) {
+  const std::string prefix = target.filename().string() + ".partial-";
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(target.parent_path(), ignored)) {
+    const std::string name = entry.path().filename().string();
+    const int process = name.starts_with(prefix) ? std::atoi(name.c_str() + prefix.size()) : 0;
+    if (process > 0 && kill(process, 0) != 0) fs::remove_all(entry.path(), ignored);
+  }
+}
+
 void check_replaceable(const fs::path& folder) {
   if (!fs::exists(folder)) return;
   if (!fs::is_directory(folder)) throw Error("{}: exists and is not a folder", folder.string());
@@ -138,6 +164,7 @@ Dataset create_dataset(const DatasetPreparationConfig& config, const std::vector
 
   fs::path target = fs::absolute(folder).lexically_normal();
   if (!target.has_filename()) target = target.parent_path();
+  remove_leftovers(target);
   Dataset dataset{target.string() + fmt::format(".partial-{}", getpid()), {}};
   dataset.out.dataset_preparation_config = config;
   dataset.out.views = icosahedron_views(config.virtual_views_icosahedron);
@@ -154,6 +181,7 @@ Dataset create_dataset(const DatasetPreparationConfig& config, const std::vector
   for (const auto& path : model_paths) {
     const std::string bytes = read_file(path);
     const TriangleMesh mesh = parse_stl(bytes, path.string());
+    check_size(mesh, config, path);
     DatasetModel model{centred_from_model(mesh), static_cast<int>(all.size()), path.stem().string(), content_hash(bytes)};
     if (!names.insert(model.name).second)
       throw Error("{}: another model is already named \"{}\"; a part is known by its file's name", path.string(), model.name);

@@ -80,6 +80,8 @@ CapturedSet read_captured_set(const fs::path& folder) {
     set.scenes.push_back({folder / text(entry, "scene", truth_file), text(entry, "kind", truth_file),
                           text(entry, "model", truth_file),
                           poses(member(entry, refined ? "T_refined" : "T", truth_file), truth_file)});
+    if (!set.scenes.back().model_name.empty() && set.scenes.back().camera_from_model.empty())
+      throw Error("{}: scene {} names a model but no pose", truth_file.string(), set.scenes.back().path.filename().string());
   }
   const fs::path symmetry_file = folder / "symmetries.json";
   if (fs::exists(symmetry_file)) {

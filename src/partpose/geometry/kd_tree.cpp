@@ -4,6 +4,8 @@
 
 #include <nanoflann.hpp>
 
+#include <algorithm>
+
 namespace partpose {
 
 namespace {
@@ -44,6 +46,7 @@ KdTree::Neighbour KdTree::nearest(const Eigen::Vector3f& query_mm) const {
 
 std::vector<KdTree::Neighbour> KdTree::nearest_k(const Eigen::Vector3f& query_mm, int k) const {
   if (impl_->points.data.empty() || k < 1) return {};
+  k = std::min(k, static_cast<int>(impl_->points.data.size()));
   std::vector<unsigned> indices(k);
   std::vector<float> squared(k);
   const auto found = impl_->tree.knnSearch(query_mm.data(), k, indices.data(), squared.data());

@@ -82,8 +82,11 @@ LabelledDepth cut_out(const DepthImage& depth, const Intrinsics& camera, const S
   }
   const double pixels_per_mm = std::max(camera.fx, camera.fy) * static_cast<double>(segment.pixels.size()) / z_sum;
   const int margin = 4 + static_cast<int>(std::max(0.0, largest_part_mm * pixels_per_mm - std::min(u1 - u0, v1 - v0) / 2.0));
-  const int stride = std::max(1, static_cast<int>(std::lround(
-                                     std::sqrt(static_cast<double>(segment.pixels.size()) / wanted_pixels))));
+  // Coarse enough for the pixels wanted of the object, and for a bounded image where the largest part is much larger.
+  constexpr double most_pixels = 250000;
+  const double area = static_cast<double>(u1 - u0 + 2 * margin) * (v1 - v0 + 2 * margin);
+  const int stride = static_cast<int>(std::max({1L, std::lround(std::sqrt(segment.pixels.size() / double(wanted_pixels))),
+                                                std::lround(std::ceil(std::sqrt(area / most_pixels)))}));
   u0 -= margin, v0 -= margin;
 
   LabelledDepth out;

@@ -43,8 +43,9 @@ void PreprocessOptions::check() const {
   if (radius_outlier_removal_min_points_in_radius < 0)
     throw Error("radius_outlier_removal_min_points_in_radius {}: must be 0 or more",
                 radius_outlier_removal_min_points_in_radius);
-  if (statistical_outlier_removal_num_of_k_nearest_neighbors < 1)
-    throw Error("statistical_outlier_removal_num_of_k_nearest_neighbors {}: must be 1 or more",
+  if (statistical_outlier_removal_num_of_k_nearest_neighbors < 1 ||
+      statistical_outlier_removal_num_of_k_nearest_neighbors > 1000)
+    throw Error("statistical_outlier_removal_num_of_k_nearest_neighbors {}: must be 1 to 1000",
                 statistical_outlier_removal_num_of_k_nearest_neighbors);
   if (!std::isfinite(statistical_outlier_removal_std_deviation_multiplier))
     throw Error("statistical_outlier_removal_std_deviation_multiplier is not a finite number");

@@ -45,7 +45,7 @@ struct PreprocessOptions {
     visit("statistical_outlier_removal_flag", self.statistical_outlier_removal_flag,
           "remove points whose mean distance to their neighbours is unusual");
     visit("statistical_outlier_removal_num_of_k_nearest_neighbors",
-          self.statistical_outlier_removal_num_of_k_nearest_neighbors, "how many neighbours are looked at, >= 1");
+          self.statistical_outlier_removal_num_of_k_nearest_neighbors, "how many neighbours are looked at, 1 to 1000");
     visit("statistical_outlier_removal_std_deviation_multiplier",
           self.statistical_outlier_removal_std_deviation_multiplier,
           "a point is removed when its mean distance exceeds the cloud's mean by so many standard deviations");

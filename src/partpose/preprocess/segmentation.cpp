@@ -227,6 +227,12 @@ std::optional<double> angular_spacing_rad(const PointCloud& cloud) {
   std::vector<Eigen::Vector3f> directions;
   for (const auto& p : cloud.points)
     if (p.allFinite() && p.z() > 0) directions.emplace_back(p.x() / p.z(), p.y() / p.z(), 0.f);
+  // Points that are there twice say nothing about the spacing.
+  const auto before = [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+    return a.y() != b.y() ? a.y() < b.y() : a.x() < b.x();
+  };
+  std::sort(directions.begin(), directions.end(), before);
+  directions.erase(std::unique(directions.begin(), directions.end()), directions.end());
   if (directions.size() < 2) return std::nullopt;
   const KdTree tree(directions);
   const std::size_t step = std::max<std::size_t>(directions.size() / 500, 1);

@@ -87,8 +87,9 @@ Verification verify_greedy(const PlacedPart& part, const PointCloud& scene, cons
 
   const double coverage = static_cast<double>(out.explained_scene_points) / out.scene_points;
   if (!(out.explained_scene_points > options.regularizer * static_cast<float>(out.unexplained_model_points))) {
-    out.reason = fmt::format("{} explained scene points do not outweigh {} unexplained of {} visible model points",
-                             out.explained_scene_points, out.unexplained_model_points, out.visible_model_points);
+    out.reason = fmt::format("explains {} scene points, not more than regularizer {} x {} unexplained of {} visible model "
+                             "points", out.explained_scene_points, options.regularizer, out.unexplained_model_points,
+                             out.visible_model_points);
   } else if (coverage < options.min_scene_coverage) {
     out.reason = fmt::format("explains only {:.0f} % of the scene", 100 * coverage);
   } else {
