@@ -165,7 +165,8 @@ TEST(Capture, EstimatedNormalsOfAWallAreTheMeshs) {
 TEST(Capture, EstimatedNormalsAreOfTheNoisyPoints) {
   auto options = camera_with("gaussianray", 1);
   options.normals = "estimated";
-  const auto mesh_normal = capture(wall, before_wall, camera_with("none", 0), false).normals[0].cast<double>();
+  const Eigen::Vector3d mesh_normal =
+      capture(wall, before_wall, camera_with("none", 0), false).normals[0].cast<double>();
   double squares = 0;
   const auto cloud = capture(wall, before_wall, options, false);
   for (const auto& normal : cloud.normals) squares += std::pow(angle_deg(normal.cast<double>(), mesh_normal), 2);
