@@ -20,7 +20,7 @@ class PointGrid {
     int end = 0;
   };
 
-  /// Throws Error when `cell_mm` is not positive or a coordinate lies more than 2^20 cells from the first point.
+  /// Throws Error when `cell_mm` is not positive or a coordinate lies more than 2^20 cells from the origin.
   PointGrid(std::span<const Eigen::Vector3f> points_mm, float cell_mm);
 
   std::size_t cell_count() const { return cell_begin_.empty() ? 0 : cell_begin_.size() - 1; }

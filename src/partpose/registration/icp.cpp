@@ -166,7 +166,11 @@ IcpResult icp(const PointCloud& source, const PointCloud& target, const KdTree& 
   // Most of the way is gone with a few hundred points, evenly picked; all of them give the last digits.
   constexpr std::size_t few = 250;
   IcpResult start;
-  if (source.size() > 2 * few) start = iterate(every_nth(source, source.size() / few), target, target_tree, options, start);
+  if (source.size() > 2 * few) {
+    PoseRefinementOptions first = options;
+    first.max_iterations = std::max(options.max_iterations / 2, 1);
+    start = iterate(every_nth(source, source.size() / few), target, target_tree, first, start);
+  }
   return iterate(source, target, target_tree, options, start);
 }
 
