@@ -3,17 +3,21 @@
 #pragma once
 
 #include "partpose/core/point_cloud.hpp"
-#include "partpose/descriptor/options.hpp"
 
 #include <memory>
-#include <string>
+#include <optional>
 #include <vector>
 
 namespace partpose {
 
-/// One histogram of a cloud. A clustered descriptor yields several for one cloud.
+/// One histogram of a cloud, and what it was measured on. A clustered descriptor yields several for one cloud.
 struct Description {
   std::vector<float> histogram;
+  Eigen::Vector3d centroid_mm = Eigen::Vector3d::Zero();  ///< of the support, camera frame
+  int support = 0;                                        ///< points that it was measured on
+  bool valid = true;  ///< false: no cluster was large enough, and the whole cloud stands for one
+  std::optional<Eigen::Isometry3d> camera_from_reference =
+      std::nullopt;  ///< the descriptor's own reference frame, if any
 };
 
 /// A descriptor of a whole, segmented cloud with normals, seen from the origin. Immutable and thread-safe.
@@ -25,10 +29,7 @@ class GlobalDescriptor {
   virtual std::vector<Description> describe(const PointCloud& cloud) const = 0;
 };
 
-/// By its name in the configuration. Throws Error for a name that this version does not have.
-std::unique_ptr<GlobalDescriptor> make_global_descriptor(const std::string& name, const DescriptorOptions& options);
-
-/// How many nearest neighbours the configuration asks for with this descriptor.
-int neighbours_of(const std::string& name, const DescriptorOptions& options);
+/// Throws Error unless the number of nearest neighbours is 1 or more.
+void check_neighbours(int k_nn);
 
 }  // namespace partpose

@@ -20,10 +20,11 @@ struct PairFeatures {
   float distance_mm = 0;
 };
 
-/// The angles between two oriented points in their Darboux frame (Rusu et al. 2009, eq. 1 to 3); the frame stands at the
-/// point whose normal is nearer to the line between them. Nothing when the points coincide or the frame is undefined.
-std::optional<PairFeatures> pair_features(const Eigen::Vector3f& p1, const Eigen::Vector3f& n1, const Eigen::Vector3f& p2,
-                                          const Eigen::Vector3f& n2) {
+/// The angles between two oriented points in their Darboux frame (Rusu et al. 2009, eq. 1 to 3); the frame stands at
+/// the point whose normal is nearer to the line between them. Nothing when the points coincide or the frame is
+/// undefined.
+std::optional<PairFeatures> pair_features(const Eigen::Vector3f& p1, const Eigen::Vector3f& n1,
+                                          const Eigen::Vector3f& p2, const Eigen::Vector3f& n2) {
   PairFeatures features;
   Eigen::Vector3f line = p2 - p1;
   features.distance_mm = line.norm();
@@ -44,12 +45,31 @@ std::optional<PairFeatures> pair_features(const Eigen::Vector3f& p1, const Eigen
   return features;
 }
 
-/// An angle's or a cosine's bin: PCL bins all three features over -pi to pi, so that cosines use the middle third alone.
+/// An angle's or a cosine's bin: PCL bins all three features over -pi to pi, so that cosines use the middle third
+/// alone.
 double angle_share(double value) { return (value + std::numbers::pi) / (2 * std::numbers::pi); }
 
 int bin_of(double share, int bins) { return std::clamp(static_cast<int>(std::floor(share * bins)), 0, bins - 1); }
 
+class Vfh final : public GlobalDescriptor {
+ public:
+  explicit Vfh(const VfhOptions& options) : options_(options) {}
+  int bins() const override { return vfh_bins; }
+  std::vector<Description> describe(const PointCloud& cloud) const override {
+    if (cloud.empty()) return {};
+    return {
+        {.histogram = vfh(cloud, options_), .centroid_mm = centroid(cloud), .support = static_cast<int>(cloud.size())}};
+  }
+
+ private:
+  VfhOptions options_;
+};
+
 }  // namespace
+
+void VfhOptions::check() const { check_neighbours(k_nn); }
+
+std::unique_ptr<GlobalDescriptor> make_descriptor(const VfhOptions& options) { return std::make_unique<Vfh>(options); }
 
 std::vector<float> vfh(const PointCloud& cloud, const VfhOptions& options) {
   if (!cloud.has_normals()) throw Error("VFH needs a cloud with at least one point, and normals");

@@ -2,12 +2,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "partpose/core/point_cloud.hpp"
-#include "partpose/descriptor/options.hpp"
+#include "partpose/descriptor/global_descriptor.hpp"
 
 #include <vector>
 
 namespace partpose {
+
+struct VfhOptions {
+  int k_nn = 6;
+  bool use_fill_size_component = true;
+  bool use_normalized_bins = true;
+  bool use_normalized_distances = true;
+
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("k_nn", self.k_nn, "number of nearest neighbours, >= 1");
+    visit("use_fill_size_component", self.use_fill_size_component,
+          "fill the 45 bins of the distances to the centroid; zeros otherwise");
+    visit("use_normalized_bins", self.use_normalized_bins, "bins in per cent of the points rather than in points");
+    visit("use_normalized_distances", self.use_normalized_distances,
+          "distances to the centroid relative to the largest; otherwise in steps of 10 mm");
+  }
+  void check() const;
+};
 
 inline constexpr int vfh_feature_bins = 45;     ///< of each of the three angles and of the distance
 inline constexpr int vfh_viewpoint_bins = 128;  ///< of the angle between the line of sight and the normals
@@ -19,5 +36,7 @@ inline constexpr int vfh_bins = 4 * vfh_feature_bins + vfh_viewpoint_bins;
 /// The cloud must have at least one point, and normals. The same numbers as PCL 1.13 for the same points and normals
 /// in mm, but for what docs/descriptors.md lists.
 std::vector<float> vfh(const PointCloud& cloud, const VfhOptions& options);
+
+std::unique_ptr<GlobalDescriptor> make_descriptor(const VfhOptions& options);
 
 }  // namespace partpose

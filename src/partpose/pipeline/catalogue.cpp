@@ -5,7 +5,7 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/hash.hpp"
 #include "partpose/core/parallel.hpp"
-#include "partpose/descriptor/global_descriptor.hpp"
+#include "partpose/descriptor/descriptors.hpp"
 #include "partpose/geometry/voxel_grid.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/pcd.hpp"
@@ -110,8 +110,8 @@ Stored compute(const Dataset& dataset, const GlobalPipelineConfig& config, const
   std::size_t done = 0;
   std::mutex progress_mutex;
   parallel_for(count, [&](std::size_t i) {
-    const PointCloud view = read_pcd(
-        dataset.view_path(dataset.out.models[i / view_count].id, dataset.out.views[i % view_count].id));
+    const PointCloud view =
+        read_pcd(dataset.view_path(dataset.out.models[i / view_count].id, dataset.out.views[i % view_count].id));
     OfView& out = of_view[i];
     PointCloud prepared = comparable_view(view, config);
     out.num_of_points = static_cast<int>(without_missing(view).size());
@@ -197,7 +197,8 @@ Catalogue join(Dataset dataset, const GlobalPipelineConfig& config, Stored store
   parallel_for(catalogue.parts.size(), [&](std::size_t p) {
     auto& part = catalogue.parts[p];
     for (const auto& view : catalogue.views)
-      if (view.part == static_cast<int>(p)) append(part.surface, transformed(view.cloud, (view.T2 * part.T1).inverse()));
+      if (view.part == static_cast<int>(p))
+        append(part.surface, transformed(view.cloud, (view.T2 * part.T1).inverse()));
     part.surface = voxel_grid(part.surface, voxel);
   });
   catalogue.dataset = std::move(dataset);
@@ -209,7 +210,8 @@ Catalogue join(Dataset dataset, const GlobalPipelineConfig& config, Stored store
 PointCloud comparable_view(const PointCloud& view, const GlobalPipelineConfig& config) {
   PointCloud cloud = without_missing(view);
   if (config.database.normals == "mesh") {
-    if (!cloud.empty() && !cloud.has_normals()) throw Error("database.normals is \"mesh\", but the views have no normals");
+    if (!cloud.empty() && !cloud.has_normals())
+      throw Error("database.normals is \"mesh\", but the views have no normals");
     return cloud;
   }
   if (config.preprocessing.voxel_grid_flag) cloud = voxel_grid(cloud, config.preprocessing.voxel_size);

@@ -3,7 +3,7 @@
 #include "partpose/pipeline/config.hpp"
 
 #include "partpose/core/error.hpp"
-#include "partpose/descriptor/global_descriptor.hpp"
+#include "partpose/descriptor/descriptors.hpp"
 
 namespace partpose {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "partpose/descriptor/options.hpp"
+#include "partpose/descriptor/descriptors.hpp"
 #include "partpose/preprocess/preprocess.hpp"
 #include "partpose/registration/coarse_alignment.hpp"
 #include "partpose/registration/icp.hpp"
@@ -87,11 +87,7 @@ struct GlobalPipelineConfig {
     visit("preprocessing", self.preprocessing, "what is done to the scene first");
     visit("normal_estimation", self.normal_estimation, "normals of the scene");
     visit("global_descriptor", self.global_descriptor, "\"vfh\", \"cvfh\", \"ourcvfh\", \"good\" or \"esf\"");
-    visit("vfh", self.descriptors.vfh, "Viewpoint Feature Histogram");
-    visit("cvfh", self.descriptors.cvfh, "Clustered Viewpoint Feature Histogram");
-    visit("ourcvfh", self.descriptors.ourcvfh, "Oriented, Unique and Repeatable CVFH");
-    visit("esf", self.descriptors.esf, "Ensemble of Shape Functions");
-    visit("good", self.descriptors.good, "Global Orthographic Object Descriptor");
+    DescriptorOptions::describe(self.descriptors, visit);
     visit("database", self.database, "how the dataset's views are made comparable with a scene");
     visit("coarse_alignment", self.coarse_alignment, "first guess of a candidate's pose");
     visit("pose_refinement", self.pose_refinement, "iterative closest points");

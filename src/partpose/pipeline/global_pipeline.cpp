@@ -5,7 +5,7 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/parallel.hpp"
 #include "partpose/core/stopwatch.hpp"
-#include "partpose/descriptor/global_descriptor.hpp"
+#include "partpose/descriptor/descriptors.hpp"
 #include "partpose/geometry/voxel_grid.hpp"
 
 #include <algorithm>
@@ -104,7 +104,8 @@ std::vector<Candidate> GlobalPipeline::match(const PointCloud& scene) const {
     const auto found = catalogue_.index.nearest(description.histogram, catalogue_.index.size());
     matches.insert(matches.end(), found.begin(), found.end());
   }
-  std::stable_sort(matches.begin(), matches.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const auto& a, const auto& b) { return a.distance < b.distance; });
   std::vector<bool> taken(catalogue_.views.size(), false);
   std::vector<Candidate> candidates;
   for (const auto& m : matches) {
@@ -121,7 +122,8 @@ std::vector<Candidate> GlobalPipeline::match(const PointCloud& scene) const {
   return candidates;
 }
 
-void GlobalPipeline::coarse_align(std::vector<Candidate>& candidates, const PointCloud& scene, const KdTree& tree) const {
+void GlobalPipeline::coarse_align(std::vector<Candidate>& candidates, const PointCloud& scene,
+                                  const KdTree& tree) const {
   const AlignmentFeatures scene_features = alignment_features(scene);
   parallel_for(candidates.size(), [&](std::size_t i) {
     const auto& view = catalogue_.views[candidates[i].view_row];
@@ -160,8 +162,9 @@ int GlobalPipeline::verify(std::vector<Candidate>& candidates, const PointCloud&
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Candidate& candidate = candidates[i];
     const int part = catalogue_.views[candidate.view_row].part;
-    candidate.verification = verify_greedy(
-        {catalogue_.parts[part].mesh, verification_models_[part], candidate.camera_from_model}, scene, thinned, options);
+    candidate.verification =
+        verify_greedy({catalogue_.parts[part].mesh, verification_models_[part], candidate.camera_from_model}, scene,
+                      thinned, options);
     candidate.verified = true;
     if (candidate.verification.accepted) return static_cast<int>(i);
   }

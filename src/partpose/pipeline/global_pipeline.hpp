@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "partpose/descriptor/global_descriptor.hpp"
+#include "partpose/descriptor/descriptors.hpp"
 #include "partpose/pipeline/catalogue.hpp"
 #include "partpose/pipeline/config.hpp"
 #include "partpose/pipeline/records.hpp"
@@ -33,11 +33,11 @@ struct Candidate {
 /// What happened to one scene: the one record behind everything that shows results.
 struct Recognition {
   Result result;
-  std::vector<Candidate> candidates;          ///< in the order of the verification
-  int accepted = -1;                          ///< index into candidates
-  PointCloud preprocessed;                    ///< camera frame
-  PointCloud with_normals;                    ///< camera frame
-  PointCloud refinement_scene;                ///< camera frame
+  std::vector<Candidate> candidates;  ///< in the order of the verification
+  int accepted = -1;                  ///< index into candidates
+  PointCloud preprocessed;            ///< camera frame
+  PointCloud with_normals;            ///< camera frame
+  PointCloud refinement_scene;        ///< camera frame
   int num_of_points_input = 0;
   std::vector<MeasuredOperation> stages;
   std::string reason;  ///< why nothing was recognized; empty when something was

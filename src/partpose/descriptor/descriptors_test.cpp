@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "partpose/descriptor/global_descriptor.hpp"
+#include "partpose/descriptor/descriptors.hpp"
 
-#include "partpose/descriptor/vfh.hpp"
 #include "tests/shapes.hpp"
 
 #include <gtest/gtest.h>
