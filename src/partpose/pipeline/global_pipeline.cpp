@@ -20,6 +20,9 @@ namespace {
 /// Fewer points than this say nothing about a pose.
 constexpr std::size_t smallest_scene = 10;
 
+/// So many pairs of clusters of a view and the scene are tried as alignments.
+constexpr std::size_t most_reference_frames = 6;
+
 /// Runs, names and times the steps.
 class Steps {
  public:
@@ -97,27 +100,32 @@ Recognition GlobalPipeline::recognize(const PointCloud& scene,
 }
 
 std::vector<Candidate> GlobalPipeline::match(const PointCloud& scene) const {
-  const int k = neighbours_of(config_.global_descriptor, config_.descriptors);
-  // A view counts by its best cluster: the distances of all pairs, best first, each view once.
-  std::vector<Match> matches;
-  for (const auto& description : descriptor_->describe(scene)) {
-    const auto found = catalogue_.index.nearest(description.histogram, catalogue_.index.size());
-    matches.insert(matches.end(), found.begin(), found.end());
-  }
-  std::stable_sort(matches.begin(), matches.end(),
-                   [](const auto& a, const auto& b) { return a.distance < b.distance; });
-  std::vector<bool> taken(catalogue_.views.size(), false);
+  const std::size_t k = neighbours_of(config_.global_descriptor, config_.descriptors);
+  // All pairs of a description of the scene and one of the catalogue, best first. A view counts by its best pair.
+  struct Pair {
+    Match match;
+    const Description* description;
+  };
+  const auto descriptions = descriptor_->describe(scene);
+  std::vector<Pair> pairs;
+  for (const auto& description : descriptions)
+    for (const Match& match : catalogue_.index.nearest(description.histogram, catalogue_.index.size()))
+      pairs.push_back({match, &description});
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Pair& a, const Pair& b) { return a.match.distance < b.match.distance; });
+  std::vector<int> candidate_of_view(catalogue_.views.size(), -1);
   std::vector<Candidate> candidates;
-  for (const auto& m : matches) {
-    const int row = catalogue_.view_of_row[m.row];
-    if (taken[row]) continue;
-    taken[row] = true;
-    Candidate candidate;
-    candidate.id = static_cast<int>(candidates.size());
-    candidate.view_row = row;
-    candidate.match_distance = m.distance;
-    candidates.push_back(candidate);
-    if (static_cast<int>(candidates.size()) == k) break;
+  for (const auto& [match, description] : pairs) {
+    const auto& row = catalogue_.descriptions[match.row];
+    int& index = candidate_of_view[row.view];
+    if (index < 0) {
+      if (candidates.size() == k) continue;
+      index = static_cast<int>(candidates.size());
+      candidates.push_back({.id = index, .view_row = row.view, .match_distance = match.distance});
+    }
+    auto& frames = candidates[index].reference_frames;
+    if (row.camera_from_reference && description->camera_from_reference && frames.size() < most_reference_frames)
+      frames.push_back({*row.camera_from_reference, *description->camera_from_reference});
   }
   return candidates;
 }
@@ -127,7 +135,8 @@ void GlobalPipeline::coarse_align(std::vector<Candidate>& candidates, const Poin
   const AlignmentFeatures scene_features = alignment_features(scene);
   parallel_for(candidates.size(), [&](std::size_t i) {
     const auto& view = catalogue_.views[candidates[i].view_row];
-    const auto alignments = coarse_alignments(view.features, scene_features, config_.coarse_alignment);
+    const auto alignments =
+        coarse_alignments(view.features, scene_features, candidates[i].reference_frames, config_.coarse_alignment);
     constexpr std::size_t probes = 150;
     const PointCloud few = every_nth(view.cloud, std::max<std::size_t>(view.cloud.size() / probes, 1));
     double best = std::numeric_limits<double>::infinity();

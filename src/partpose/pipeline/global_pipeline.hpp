@@ -20,13 +20,14 @@ struct Candidate {
   int id = -1;        ///< rank in the matching
   int view_row = -1;  ///< index into Catalogue::views
   float match_distance = -1;
+  std::vector<ReferenceFrames> reference_frames = {};    ///< of the descriptions that match, best match first
   Eigen::Isometry3d T3 = Eigen::Isometry3d::Identity();  ///< coarse alignment
   Eigen::Isometry3d T4 = Eigen::Isometry3d::Identity();  ///< refinement
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
   bool icp_converged = false;
   float icp_fitness = -1;  ///< mm
   float score = -1;        ///< of render-and-compare, 0 to 1; -1: not rendered
-  Verification verification;
+  Verification verification = {};
   bool verified = false;  ///< false: a better candidate was accepted before this one's turn
 };
 
