@@ -248,6 +248,10 @@ Recognizer::~Recognizer() = default;
 
 const Catalogue& Recognizer::catalogue() const { return impl_->catalogue; }
 
+Recognition Recognizer::recognize(const Scene& scene) const {
+  return scene.depth ? recognize(*scene.depth, *scene.intrinsics) : recognize(scene.cloud);
+}
+
 Recognition Recognizer::recognize(const PointCloud& cloud) const {
   Recognition nothing;
   nothing.result.timestamp = make_timestamp();
