@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // make_golden_esf INPUT_DIR OUTPUT [RUNS]: PCL's ESF of the points of INPUT_DIR/*.pcd, as one JSON file. PCL draws
-// other triangles in every run, so it is run RUNS (30) times with seeds 1, 2, ...: the mean histogram, and how far the
+// other triangles in every run, so it is run RUNS (100) times with seeds 1, 2, ...: the mean histogram, and how far the
 // runs lie from it.
 
 #include <pcl/features/esf.h>
@@ -91,7 +91,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    const int runs = argc == 4 ? std::stoi(argv[3]) : 30;
+    const int runs = argc == 4 ? std::stoi(argv[3]) : 100;
     if (runs < 1) throw std::runtime_error("RUNS must be 1 or more");
     write_golden(argv[1], argv[2], runs);
   } catch (const std::exception& error) {
