@@ -190,7 +190,7 @@ std::vector<Described> our_cvfh(const Cloud::Ptr& cloud, const ClusterSettings& 
 /// takes the first of an unsorted list for the point itself), and its acos of a product of two unit vectors above 1 is
 /// no number, so that points with equal normals may not be joined. Indices into `cloud`, each cluster refined.
 Components plain_clusters(const Cloud& cloud, const ClusterSettings& s, double tolerance, double eps,
-                          double refined_eps, std::vector<std::size_t>& sizes) {
+                          double refined_eps, Vectors& centroids) {
   Cloud::Ptr smooth(new Cloud);
   std::vector<int> original;
   for (std::size_t i = 0; i < cloud.size(); ++i)
@@ -198,7 +198,7 @@ Components plain_clusters(const Cloud& cloud, const ClusterSettings& s, double t
       smooth->push_back(cloud[i]);
       original.push_back(static_cast<int>(i));
     }
-  sizes.clear();
+  centroids.clear();
   if (smooth->size() < static_cast<std::size_t>(s.min_points)) return {};
   pcl::NormalEstimation<pcl::PointNormal, pcl::PointNormal> estimation;
   estimation.setRadiusSearch(s.radius_normals * s.unit());
@@ -223,32 +223,36 @@ Components plain_clusters(const Cloud& cloud, const ClusterSettings& s, double t
           members.push_back(j);
         }
     if (members.size() < static_cast<std::size_t>(s.min_points)) continue;
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (const int i : members) mean += normal(i);
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero(), centroid = Eigen::Vector3d::Zero();
+    for (const int i : members) mean += normal(i), centroid += point(i);
     std::vector<int> kept;
     for (const int i : members)
       if (normal(i).dot(mean.normalized()) > std::cos(refined_eps)) kept.push_back(original[i]);
     std::sort(kept.begin(), kept.end());
-    sizes.push_back(members.size());
+    centroids.push_back((centroid / static_cast<double>(members.size()) / s.unit()).cast<float>());
     clusters.push_back(kept);
   }
   return clusters;
 }
 
-/// Whether PCL's clusters are what its rule means, and no threshold is so near that rounding decides.
-bool well_defined(const Cloud& cloud, const ClusterSettings& s, const Components& pcl_clusters) {
+/// Whether PCL's clusters, refined (OUR-CVFH) and not (CVFH), are what its rule means, and no threshold is so near that
+/// rounding decides.
+bool well_defined(const Cloud& cloud, const ClusterSettings& s, const Components& refined,
+                  const std::vector<Described>& whole) {
   const double tolerance = s.tolerance * s.unit(), eps = s.eps_angle();
-  std::vector<std::size_t> sizes, other_sizes;
-  const Components exact = plain_clusters(cloud, s, tolerance, eps, eps * s.refine_clusters, sizes);
-  if (exact != pcl_clusters) return false;
-  for (const double sign : {-1.0, 1.0}) {
+  Vectors centroids;
+  const auto is_it = [&](double sign) {
     const double nearly = eps + sign * 2e-5;
-    if (plain_clusters(cloud, s, tolerance * (1 + sign * 2e-6), nearly, nearly * s.refine_clusters, other_sizes) !=
-        exact)
+    if (plain_clusters(cloud, s, tolerance * (1 + sign * 2e-6), nearly, nearly * s.refine_clusters, centroids) !=
+        refined)
       return false;
-    if (other_sizes != sizes) return false;
-  }
-  return true;
+    if (centroids.empty()) return true;
+    if (centroids.size() != whole.size()) return false;
+    for (std::size_t c = 0; c < whole.size(); ++c)
+      if ((centroids[c] - whole[c].centroid_mm).norm() > 2e-3f) return false;
+    return true;
+  };
+  return is_it(0) && is_it(-1) && is_it(1);
 }
 
 Cloud::Ptr in_unit(const Cloud& cloud, float unit) {
@@ -299,19 +303,20 @@ std::string clustered(const std::string& file, const Cloud& cloud_mm) {
   for (const auto& s : cluster_settings) {
     const Cloud::Ptr cloud = in_unit(cloud_mm, s.unit());
     Components clusters;
-    std::vector<Described> oriented;
+    std::vector<Described> whole, oriented;
     bool defined = false;
     for (const bool sorted : {false, true}) {
       if (defined) break;
       always_sorted = sorted;
+      whole = cvfh(cloud, s);
       oriented = our_cvfh(cloud, s, clusters);
-      defined = well_defined(*cloud, s, clusters);
+      defined = well_defined(*cloud, s, clusters, whole);
     }
     text += (text.empty() ? "" : ",\n") + std::string("{\"file\": \"") + file + "\", \"settings\": \"" + s.name +
             "\", \"clusters\": " + std::to_string(clusters.size()) +
             ", \"well_defined\": " + (defined ? "true" : "false") +
             ", \"search_mended\": " + (always_sorted ? "true" : "false");
-    if (defined) text += ",\n \"cvfh\": " + json(cvfh(cloud, s)) + ",\n \"ourcvfh\": " + json(oriented, &s);
+    if (defined) text += ",\n \"cvfh\": " + json(whole) + ",\n \"ourcvfh\": " + json(oriented, &s);
     text += "}";
   }
   return text;

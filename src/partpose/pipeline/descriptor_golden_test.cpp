@@ -133,6 +133,15 @@ Eigen::Vector3d vector_of(const Json& json) {
   return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
 }
 
+/// PCL's reference_from_camera times our camera_from_reference: the identity. PCL's frames are left-handed: their y is
+/// -y.
+Eigen::Matrix4d frame_product(const Description& our, const Json& their) {
+  Eigen::Matrix4d reference_from_camera;
+  for (int i = 0; i < 16; ++i) reference_from_camera(i / 4, i % 4) = their["reference_from_camera"][i].get<double>();
+  reference_from_camera.row(1) *= -1;
+  return reference_from_camera * our.camera_from_reference->matrix();
+}
+
 /// PCL's descriptions of a cloud, each with the nearest of ours, which stand in another order.
 template <typename Visit>
 void for_each_pair(const Json& theirs, const std::vector<Description>& ours, const Visit& visit) {
@@ -142,7 +151,9 @@ void for_each_pair(const Json& theirs, const std::vector<Description>& ours, con
     const auto centroid_mm = vector_of(their["centroid_mm"]);
     const auto histogram = their["histogram"].get<std::vector<float>>();
     const auto distance = [&](const Description& our) {
-      return (our.centroid_mm - centroid_mm).norm() + relative_l1(our.histogram, histogram);
+      const double frame =
+          our.camera_from_reference ? (frame_product(our, their) - Eigen::Matrix4d::Identity()).norm() : 0;
+      return (our.centroid_mm - centroid_mm).norm() + relative_l1(our.histogram, histogram) + frame;
     };
     const auto nearest = std::min_element(ours.begin(), ours.end(),
                                           [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
@@ -174,10 +185,7 @@ TEST_P(GoldenClusters, OurCvfh) {
     ASSERT_EQ(our.camera_from_reference.has_value(), found_clusters());
     if (!our.camera_from_reference) return;
     EXPECT_NEAR(our.camera_from_reference->linear().determinant(), 1, 1e-5);
-    Eigen::Matrix4d reference_from_camera;
-    for (int i = 0; i < 16; ++i) reference_from_camera(i / 4, i % 4) = their["reference_from_camera"][i].get<double>();
-    reference_from_camera.row(1) *= -1;  // PCL's frames are left-handed: their y axis is -y
-    const Eigen::Matrix4d product = reference_from_camera * our.camera_from_reference->matrix();
+    const Eigen::Matrix4d product = frame_product(our, their);
     EXPECT_TRUE(product.isApprox(Eigen::Matrix4d::Identity(), 1e-3)) << product;
     EXPECT_LE(product.col(3).head(3).norm(), 5e-3) << "mm";
   });
