@@ -246,4 +246,32 @@ Catalogue load_catalogue(Dataset dataset, const GlobalPipelineConfig& config, co
   return join(std::move(dataset), config, std::move(stored));
 }
 
+Catalogue without_part(const Catalogue& catalogue, const std::string& name) {
+  Catalogue out;
+  out.dataset = catalogue.dataset;
+  std::vector<int> part_of(catalogue.parts.size(), -1), view_of(catalogue.views.size(), -1);
+  for (std::size_t p = 0; p < catalogue.parts.size(); ++p) {
+    if (catalogue.parts[p].name == name) continue;
+    part_of[p] = static_cast<int>(out.parts.size());
+    out.parts.push_back(catalogue.parts[p]);
+  }
+  if (out.parts.size() == catalogue.parts.size()) throw Error("the catalogue has no part \"{}\"", name);
+  if (out.parts.empty()) throw Error("\"{}\" is the catalogue's only part", name);
+  for (std::size_t v = 0; v < catalogue.views.size(); ++v) {
+    if (part_of[catalogue.views[v].part] < 0) continue;
+    view_of[v] = static_cast<int>(out.views.size());
+    out.views.push_back(catalogue.views[v]);
+    out.views.back().part = part_of[catalogue.views[v].part];
+  }
+  out.index = DescriptorIndex(catalogue.index.bins());
+  for (std::size_t row = 0; row < catalogue.descriptions.size(); ++row) {
+    CatalogueDescription description = catalogue.descriptions[row];
+    description.view = view_of[description.view];
+    if (description.view < 0) continue;
+    out.descriptions.push_back(description);
+    out.index.add(catalogue.index.row(static_cast<int>(row)));
+  }
+  return out;
+}
+
 }  // namespace partpose

@@ -51,6 +51,9 @@ struct Catalogue {
 /// meshes. Views of a changed mesh.stl are rendered again first.
 Catalogue load_catalogue(Dataset dataset, const GlobalPipelineConfig& config, const Progress& progress = {});
 
+/// The same catalogue without one of its parts. Throws Error when it has no part of that name, or no other.
+Catalogue without_part(const Catalogue& catalogue, const std::string& name);
+
 /// Points and normals of a dataset's view as a scene of it would have them (`database.normals`), camera frame.
 PointCloud comparable_view(const PointCloud& view, const GlobalPipelineConfig& config);
 
