@@ -98,8 +98,6 @@ TEST(Esf, InsideAndOutside) {
   EXPECT_LT(part_sum(of_plates, d2_mixed), part_sum(of_plates, d2_out));
 }
 
-/// The angles of a triangle with corners at random on a circle are uniform up to a right angle and beyond: folded at
-/// 90 degrees, P(angle < a) by simulation from the definition, without voxels or weights.
 TEST(Esf, LengthsOnASphereFollowTheirLaw) {
   // The distance d of two random points of a sphere of radius r has the density d / (2 r^2), 0 to 2 r (Solomon 1978).
   Random random(3);
