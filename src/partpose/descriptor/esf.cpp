@@ -350,17 +350,20 @@ std::vector<float> esf(const PointCloud& cloud, const EsfOptions& options) {
   const VoxelGrid grid(shape.voxels);
 
   // Counted in whole numbers. The bins of lengths and areas wait for the largest one.
-  std::array<std::array<std::int64_t, esf_part_bins>, parts> bins{};
-  std::vector<float> lengths, areas;
-  std::vector<std::uint8_t> places_of_lengths, places_of_areas;
+  std::array<std::array<std::uint32_t, esf_part_bins>, parts> bins{};
+  struct Measured {
+    std::vector<float> values;
+    std::vector<std::uint8_t> places;
+    explicit Measured(std::size_t count) : values(count), places(count) {}
+  };
   const auto samples = static_cast<std::size_t>(options.samples);
-  lengths.reserve(3 * samples), places_of_lengths.reserve(3 * samples);
-  areas.reserve(samples), places_of_areas.reserve(samples);
+  Measured lengths(3 * samples), areas(samples);
+  std::size_t drawn = 0;
   Random random(static_cast<std::uint64_t>(options.seed));
   Triangles t;
   constexpr int most_tries = 20;  // a share of triangles below 1 in 20: points on a line, nearly
   const std::int64_t blocks = (std::int64_t{options.samples} * most_tries) / Triangles::capacity + 1;
-  for (std::int64_t block = 0; block < blocks && areas.size() < samples; ++block) {
+  for (std::int64_t block = 0; block < blocks && drawn < samples; ++block) {
     for (int i = 0; i < Triangles::capacity; ++i) {
       const std::uint64_t first = random.next(), second = random.next();
       t.corner[0][i] = static_cast<std::uint32_t>((first >> 32) * count >> 32);
@@ -369,7 +372,7 @@ std::vector<float> esf(const PointCloud& cloud, const EsfOptions& options) {
     }
     measure(shape.points, t);
     grid.trace(t, shape.voxels);
-    for (int i = 0; i < Triangles::capacity && areas.size() < samples; ++i) {
+    for (int i = 0; i < Triangles::capacity && drawn < samples; ++i) {
       constexpr float smallest_area_squared = 0.001f;  // PCL's; voxels to the fourth power
       if (!(t.area_squared[i] > smallest_area_squared)) continue;
       const int place = place_of_triangle(t.length[0][i] + t.length[1][i] + t.length[2][i],
@@ -377,26 +380,33 @@ std::vector<float> esf(const PointCloud& cloud, const EsfOptions& options) {
       for (int s = 0; s < 3; ++s) {
         const int length = t.length[s][i], filled = t.filled[s][i];
         const int place_of_this = place_of_side(length, filled);
-        lengths.push_back(t.side[s][i]);
-        places_of_lengths.push_back(static_cast<std::uint8_t>(place_of_this));
-        bins[d2_ratio][bin_of(static_cast<float>(filled) / static_cast<float>(length))] += place_of_this == mixed;
-        bins[int{a3_in} + place][bin_of(t.angle_share[s][i])] += length;
+        lengths.values[3 * drawn + s] = t.side[s][i];
+        lengths.places[3 * drawn + s] = static_cast<std::uint8_t>(place_of_this);
+        bins[d2_ratio][bin_of(static_cast<float>(filled) / static_cast<float>(length))] +=
+            place_of_this == mixed ? 1 : 0;
+        bins[int{a3_in} + place][bin_of(t.angle_share[s][i])] += static_cast<std::uint32_t>(length);
       }
-      areas.push_back(std::sqrt(std::sqrt(t.area_squared[i])));
-      places_of_areas.push_back(static_cast<std::uint8_t>(place));
+      areas.values[drawn] = std::sqrt(std::sqrt(t.area_squared[i]));
+      areas.places[drawn] = static_cast<std::uint8_t>(place);
+      ++drawn;
     }
   }
-  if (areas.empty()) return histogram;
-  const Extent extent =
-      mean_extent({*std::max_element(lengths.begin(), lengths.end()), *std::max_element(areas.begin(), areas.end())},
-                  shape, options.samples, random);
-  const auto add = [&](const std::vector<float>& values, const std::vector<std::uint8_t>& places, float largest,
-                       Part first_part) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      ++bins[int{first_part} + places[i]][bin_of(std::min(values[i] / largest, 1.0f))];
+  if (drawn == 0) return histogram;
+  const auto largest_of = [](const Measured& measured, std::size_t n) {
+    float largest = 0;
+#pragma omp simd reduction(max : largest)
+    for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, measured.values[i]);
+    return largest;
   };
-  add(areas, places_of_areas, extent.root_of_area, d3_in);
-  add(lengths, places_of_lengths, extent.side, d2_in);
+  const Extent extent =
+      mean_extent({largest_of(lengths, 3 * drawn), largest_of(areas, drawn)}, shape, options.samples, random);
+  const auto add = [&](const Measured& measured, std::size_t n, float largest, Part first_part) {
+    const float scale = 1 / largest;
+    for (std::size_t i = 0; i < n; ++i)
+      ++bins[int{first_part} + measured.places[i]][bin_of(std::min(measured.values[i] * scale, 1.0f))];
+  };
+  add(areas, drawn, extent.root_of_area, d3_in);
+  add(lengths, 3 * drawn, extent.side, d2_in);
 
   double sum = 0;
   for (int part = 0; part < parts; ++part)

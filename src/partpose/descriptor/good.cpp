@@ -28,8 +28,8 @@ struct PrincipalAxes {
 
 /// Which side of an axis is the positive one. Kasaei et al. 2016: the side with more points, of those that are farther
 /// than the threshold from the plane through the centroid. As in the authors' code, a majority of less than a tenth of
-/// all points decides nothing. Then it is the side with the longer tail (the sign of the third moment), and where there
-/// is none, the side away from the camera.
+/// all points decides nothing. Then it is the side without the longer tail (by the sign of the third moment), which
+/// most often is the side with more points; and where there is no tail, the side away from the camera.
 void turn_to_better_side(Axis& axis, const std::vector<Eigen::Vector3d>& centred, const Eigen::Vector3d& centre,
                          double threshold_mm) {
   const auto count = static_cast<int>(centred.size());
@@ -46,14 +46,15 @@ void turn_to_better_side(Axis& axis, const std::vector<Eigen::Vector3d>& centred
   });
   const double spread = count * axis.variance * std::sqrt(axis.variance);
   const double skewness = spread > 0 ? third_moment / spread : 0;
-  constexpr double none = 1e-6, clear = 0.1;
+  constexpr double no_tail = 1e-6, clear_tail = 0.2, clear_majority = 0.15;
 
   double side = 0;
   if (votes != 0 && std::abs(votes) >= count / 10) {
+    axis.two_sided = std::abs(votes) < clear_majority * count;
     side = votes;
   } else {
-    axis.two_sided = std::abs(skewness) < clear;
-    side = std::abs(skewness) > none ? skewness : axis.direction.dot(centre);
+    axis.two_sided = std::abs(skewness) < clear_tail;
+    side = std::abs(skewness) > no_tail ? -skewness : axis.direction.dot(centre);
   }
   if (side < 0) axis.direction = -axis.direction;
 }
