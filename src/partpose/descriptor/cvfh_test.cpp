@@ -27,7 +27,7 @@ TEST(Cvfh, EachFaceOfABoxGivesTheVfhAboutIt) {
     const auto& d = descriptions[i];
     EXPECT_TRUE(d.valid);
     EXPECT_FALSE(d.camera_from_reference);
-    EXPECT_LT((d.centroid_mm - pose * normals[i].cwiseProduct(Eigen::Vector3d(30, 20, 12.5))).norm(), 1.5);
+    EXPECT_LT((d.centroid_mm - pose * normals[i].cwiseProduct(Eigen::Vector3d(30, 20, 12.5))).norm(), 3);
     EXPECT_GE(d.support, 100);
     EXPECT_LT(d.support, cloud.size() / 2);
     // The exact normal of the face differs from the mean of the estimated ones by rounding and a few edge points.
@@ -149,7 +149,7 @@ TEST(Cvfh, OfDegenerateClouds) {
       options.min_points = min_points;
       const auto descriptions = cvfh(cloud, options);
       expect_defined(descriptions);
-      if (name != "around the camera") EXPECT_FALSE(descriptions.at(0).valid) << "no normal, no cluster";
+      EXPECT_TRUE(name == "around the camera" || !descriptions.at(0).valid) << "no normal, no cluster";
     }
   }
   EXPECT_TRUE(cvfh(PointCloud{}).empty());
