@@ -27,10 +27,14 @@ struct Region {
   int left, top, width, height;
 };
 
-Region middle(const Intrinsics& camera, double share) {
-  const int width = std::max(1, static_cast<int>(std::lround(camera.width * share)));
-  const int height = std::max(1, static_cast<int>(std::lround(camera.height * share)));
-  return {(camera.width - width) / 2, (camera.height - height) / 2, width, height};
+Region region_of(const std::array<int, 4>& px, const Intrinsics& camera) {
+  if (px == std::array<int, 4>{}) return {0, 0, camera.width, camera.height};
+  const Region region{px[0], px[1], px[2], px[3]};
+  if (region.left < 0 || region.top < 0 || region.width < 1 || region.height < 1 ||
+      region.width > camera.width - region.left || region.height > camera.height - region.top)
+    throw Error("sensor fit: region {} {} {} {} (left, top, width, height): must lie within the image of {} x {} px",
+                px[0], px[1], px[2], px[3], camera.width, camera.height);
+  return region;
 }
 
 /// Disparities of the region's pixels, row by row, 0: not measured or not on the wall.
@@ -319,8 +323,6 @@ StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intr
   camera.check();
   if (!(options.baseline_mm > 0) || !std::isfinite(options.baseline_mm))
     throw Error("sensor fit: no baseline: give the distance between the camera's imagers in mm (D415: 55)");
-  if (!(options.region_share >= 0.05 && options.region_share <= 1))
-    throw Error("sensor fit: region {}: must be 0.05 to 1", options.region_share);
   if (!(options.plane_percent > 0))
     throw Error("sensor fit: plane_percent {}: must be positive", options.plane_percent);
   if (frames.empty()) throw Error("sensor fit: no frame given");
@@ -335,7 +337,7 @@ StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intr
 
   StereoSensorFit fit;
   fit.frames = static_cast<int>(frames.size());
-  const Region region = middle(camera, options.region_share);
+  const Region region = region_of(options.region_px, camera);
   const double focal_baseline = camera.fx * options.baseline_mm;
   const auto region_pixels = static_cast<double>(region.width) * region.height;
 
@@ -358,7 +360,7 @@ StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intr
   if (on_plane < 0.8)
     throw Error(
         "sensor fit: not a plane: {:.0f} % of the pixels lie within {:.1f} mm of one; capture a flat wall that fills "
-        "the picture, or use only its middle",
+        "the picture, or give the wall's region",
         100 * on_plane, tolerance_mm);
   fit.tilt_deg = degrees(std::acos(std::clamp(std::abs(found->plane.normal.z()), 0.0, 1.0)));
   measure_like_realsense(cloud, focal_baseline, fit);
@@ -421,6 +423,7 @@ StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intr
   fit.depth_step_mm = depth_step(frames, region, options.depth_unit_mm);
   fit.disparity_step_px = disparity_step(walls[0], fit.depth_step_mm.value_or(0), focal_baseline);
   const double px_per_mm = focal_baseline / squared(fit.distance_mm);
+  fit.mm_per_px = rounded(1 / px_per_mm);
   const double rounding_variance =
       (squared(fit.depth_step_mm.value_or(0) * px_per_mm) + squared(fit.disparity_step_px.value_or(0))) / 12;
 

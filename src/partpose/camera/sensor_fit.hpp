@@ -5,6 +5,7 @@
 #include "partpose/camera/stereo_sensor.hpp"
 #include "partpose/core/depth_image.hpp"
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,8 +14,8 @@
 namespace partpose {
 
 struct SensorFitOptions {
-  double baseline_mm = 0;    ///< of the camera that captured the wall; must be given
-  double region_share = 1;   ///< only the middle of the image, this share of its width and height, 0.05 to 1
+  double baseline_mm = 0;                       ///< of the camera that captured the wall; must be given
+  std::array<int, 4> region_px = {0, 0, 0, 0};  ///< left, top, width, height of the wall; all 0: the whole image
   double depth_unit_mm = 0;  ///< length of one unit of the depth images; 0: unknown, the depth step is not looked for
   double plane_percent = 2;  ///< pixels farther from the plane than this share of the distance are no wall [%]
 };
@@ -24,6 +25,7 @@ struct StereoSensorFit {
   int frames = 0;
   int pixels = 0;              ///< on the wall, of the first frame
   double distance_mm = 0;      ///< median depth of the wall
+  double mm_per_px = 0;        ///< depth for each pixel of disparity at that distance
   double tilt_deg = 0;         ///< between the optical axis and the wall's normal
   double fill_rate = 0;        ///< measured pixels of all in the region
   double plane_rms_mm = 0;     ///< RealSense's depth quality tool, plane fit RMS
@@ -46,6 +48,7 @@ struct StereoSensorFit {
     visit("frames", self.frames, "captures of the wall");
     visit("pixels", self.pixels, "pixels on the wall");
     visit("distance_mm", self.distance_mm, "median depth of the wall [mm]");
+    visit("mm_per_px", self.mm_per_px, "depth for each pixel of disparity there [mm]");
     visit("tilt_deg", self.tilt_deg, "between the optical axis and the wall's normal [deg]");
     visit("fill_rate", self.fill_rate, "measured pixels of all in the region");
     visit("plane_rms_mm", self.plane_rms_mm, "RMS distance to the plane [mm]");
@@ -66,9 +69,9 @@ struct StereoSensorFit {
   }
 };
 
-/// Estimates the noise figures from one or several depth images of one flat wall that fills the picture (or its middle,
-/// `region_share`). The camera must not have moved between them. Throws Error when there is no baseline, fewer than
-/// 2,000 measured pixels, or no plane that four fifths of them lie on.
+/// Estimates the noise figures from one or several depth images of one flat wall that fills the picture (or
+/// `region_px`). The camera must not have moved between them. Throws Error when there is no baseline, fewer than 2,000
+/// measured pixels, or no plane that four fifths of them lie on.
 StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intrinsics& camera,
                                   const SensorFitOptions& options);
 

@@ -188,6 +188,33 @@ class Matching {
     return found;
   }
 
+  /// 1 for the pixels of the background up to `edge_loss_px` from an edge, along the row or the column.
+  std::vector<std::uint8_t> background_beside_edges() const {
+    std::vector<std::uint8_t> beside(disparity_.size(), 0);
+    const auto mark_pair = [&](std::size_t p, std::ptrdiff_t stride, int index, int count) {
+      const float jump = disparity_[p] - disparity_[p + stride];
+      if (std::abs(jump) <= static_cast<float>(options_.edge_jump_px)) return;
+      const bool forwards = jump > 0;
+      const int room = std::min(forwards ? count - 1 - index : index + 1, options_.edge_loss_px);
+      for (int k = 1; k <= room; ++k) beside[forwards ? p + k * stride : p + (1 - k) * stride] = 1;
+    };
+    parallel_for(
+        height_,
+        [&](std::size_t v) {
+          for (int u = 0; u + 1 < width_; ++u) mark_pair(v * width_ + u, 1, u, width_);
+        },
+        16);
+    parallel_ranges(
+        width_,
+        [&](std::size_t begin, std::size_t end) {
+          for (int v = 0; v + 1 < height_; ++v)
+            for (std::size_t u = begin; u < end; ++u)
+              mark_pair(static_cast<std::size_t>(v) * width_ + u, width_, v, height_);
+        },
+        64);
+    return beside;
+  }
+
   /// Angle between the line of sight and the surface normal [rad], from the slope of the inverse depth, in which a
   /// plane is affine; the gentler of the two sides, so that an edge is no slope.
   double incidence(std::size_t p, const Intrinsics& camera) const {
@@ -295,6 +322,7 @@ void StereoSensorOptions::check() const {
   if (!(edge_jump_px > 0) || !std::isfinite(edge_jump_px))
     throw Error("edge_jump_px {}: must be positive", edge_jump_px);
   check_range("mixed_pixel_probability", mixed_pixel_probability, 0, 1);
+  check_range("edge_loss_px", edge_loss_px, 0, 16);
   check_range("edge_loss_probability", edge_loss_probability, 0, 1);
   check_range("hole_share", hole_share, 0, 1);
   for (const double angle : grazing_drop_deg) check_range("grazing_drop_deg", angle, 0, 90);
@@ -408,6 +436,8 @@ StereoCapture stereo_capture(const DepthImage& left, const DepthImage& right, co
   Matching matching = ideal;
   matching.average_surfaces();
   matching.fatten(texture);
+
+  const std::vector<std::uint8_t> beside_edge = matching.background_beside_edges();
 
   const double correlated_px = options.disparity_noise_px * std::sqrt(1 - options.white_share);
   const double frozen_px = correlated_px * std::sqrt(options.frozen_share);

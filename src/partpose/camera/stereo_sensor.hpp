@@ -31,7 +31,8 @@ struct StereoSensorOptions {
   double fattening_jitter_px = 1;
   double edge_jump_px = 0.75;
   double mixed_pixel_probability = 0.15;
-  double edge_loss_probability = 0.2;
+  int edge_loss_px = 4;
+  double edge_loss_probability = 0.35;
   double hole_share = 0;
   std::array<double, 2> grazing_drop_deg = {76, 86};
   bool invalid_band = true;
@@ -60,7 +61,10 @@ struct StereoSensorOptions {
     visit("edge_jump_px", self.edge_jump_px, "a larger disparity difference of neighbours is an edge [px], > 0");
     visit("mixed_pixel_probability", self.mixed_pixel_probability,
           "that a pixel beside an edge lies between foreground and background, 0 to 1");
-    visit("edge_loss_probability", self.edge_loss_probability, "that a pixel beside an edge is missing, 0 to 1");
+    visit("edge_loss_px", self.edge_loss_px,
+          "width of the band of background beside an edge that may be missing [px], 0 to 16");
+    visit("edge_loss_probability", self.edge_loss_probability,
+          "that a pixel of this band is missing (in patches), 0 to 1");
     visit("hole_share", self.hole_share, "share of all pixels missing for want of texture, 0 to 1");
     visit("grazing_drop_deg", self.grazing_drop_deg,
           "angles between line of sight and surface normal from which pixels begin to be, and all are, missing [deg]");
