@@ -463,8 +463,8 @@ StereoCapture stereo_capture(const DepthImage& left, const DepthImage& right, co
           if (incidence > drop_from) kept *= (drop_all - incidence) / (drop_all - drop_from);
 
           double d = matching.disparity()[p];
+          if (beside_edge[p]) kept *= 1 - options.edge_loss_probability;
           if (const auto other = matching.across_edge(p); other >= 0) {
-            kept *= 1 - options.edge_loss_probability;
             Random at_edge(stream_seed(seed, edge_stream), p);
             const bool mixed = at_edge.uniform() < options.mixed_pixel_probability;
             if (mixed && matching.matched(other)) d += at_edge.uniform() * (matching.disparity()[other] - d);

@@ -20,8 +20,8 @@ namespace partpose {
 struct StereoSensorOptions {
   double baseline_mm = 55;
   double disparity_noise_px = 0.08;
-  double correlation_px = 5;
-  double white_share = 0.1;
+  double correlation_px = 8;
+  double white_share = 0.05;
   double frozen_share = 0;
   double subpixel_wave_px = 0.04;
   double static_pattern_percent = 1;
