@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
   apps::add_evaluate_command(app, common);
   apps::add_experiment_command(app, common);
   apps::add_captured_command(app, common);
+  apps::add_sensor_command(app, common);
 
   try {
     app.parse(argc, argv);

@@ -407,5 +407,22 @@ TEST(ModelList, PathsAreRelativeToTheList) {
                   "key \"model_paths\" is missing");
 }
 
+TEST(DatasetConfig, StereoNoiseHasItsOwnSection) {
+  const auto read = [](const char* noise) {
+    return from_json<DatasetPreparationConfig>(
+        Json::parse(fmt::format("{{\"virtual_depth_camera\": {{\"noise\": {}}}}}", noise)));
+  };
+  EXPECT_FALSE(read("{\"model\": \"gaussian\"}").virtual_depth_camera.noise.stereo) << "old files say nothing of it";
+  const auto config = read("{\"model\": \"stereo\", \"stereo\": {\"disparity_noise_px\": 0.05}}");
+  EXPECT_EQ(config.virtual_depth_camera.noise.stereo->disparity_noise_px, 0.05);
+  EXPECT_EQ(config.virtual_depth_camera.noise.stereo->baseline_mm, 55);
+  EXPECT_EQ(to_json(from_json<DatasetPreparationConfig>(to_json(config))), to_json(config));
+  EXPECT_FALSE(to_json(read("{}"))["virtual_depth_camera"]["noise"].contains("stereo"));
+  const auto message = [&](const char* noise) { return shapes::error_of([&] { read(noise); }); };
+  EXPECT_PRED2(shapes::mentions, message("{\"model\": \"sterio\"}"), "did you mean \"stereo\"");
+  EXPECT_PRED2(shapes::mentions, message("{\"stereo\": {\"baseline\": 55}}"), "did you mean \"baseline_mm\"");
+  EXPECT_PRED2(shapes::mentions, message("{\"stereo\": {\"baseline_mm\": -5}}"), "noise.stereo: baseline_mm -5");
+}
+
 }  // namespace
 }  // namespace partpose
