@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace partpose {
@@ -207,7 +208,7 @@ class Quickhull {
   std::vector<Face> faces_;
 };
 
-/// Both sides of the outline of points in one plane (Andrew's monotone chain, 1979), as two fans of triangles.
+/// Both sides of the outline of points in one plane, as two fans of triangles.
 std::vector<Face> flat_hull(const std::vector<GridPoint>& points, const std::array<int, 3>& triangle) {
   const GridPoint normal = (points[triangle[1]] - points[triangle[0]]).cross(points[triangle[2]] - points[triangle[0]]);
   int drop = 0;
@@ -223,17 +224,7 @@ std::vector<Face> flat_hull(const std::vector<GridPoint>& points, const std::arr
   std::sort(order.begin(), order.end(), [&](int a, int b) {
     return std::pair(points[a][x], points[a][y]) < std::pair(points[b][x], points[b][y]);
   });
-  std::vector<int> outline;
-  for (int half = 0; half < 2; ++half) {
-    const std::size_t begin = outline.size();
-    for (const int p : order) {
-      while (outline.size() >= begin + 2 && turn(outline[outline.size() - 2], outline.back(), p) <= 0)
-        outline.pop_back();
-      outline.push_back(p);
-    }
-    outline.pop_back();  // the first of the other half
-    std::reverse(order.begin(), order.end());
-  }
+  const std::vector<int> outline = convex_outline(std::move(order), turn);
   // Triangles 0 to n-3 are the one side, n-2 to 2n-5 the other, in the same order with two corners exchanged.
   std::vector<Face> faces;
   const int count = static_cast<int>(outline.size()) - 2;
@@ -302,6 +293,18 @@ Eigen::Vector3d ConvexHull::centroid() const {
     weight += w;
   }
   return vertices[0] + sum / weight;
+}
+
+std::vector<int> convex_outline(std::span<const Eigen::Vector2d> points) {
+  std::vector<int> order(points.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return std::tuple(points[a].x(), points[a].y(), a) < std::tuple(points[b].x(), points[b].y(), b);
+  });
+  return convex_outline(std::move(order), [&](int a, int b, int c) {
+    const Eigen::Vector2d ab = points[b] - points[a], ac = points[c] - points[a];
+    return ab.x() * ac.y() - ab.y() * ac.x();
+  });
 }
 
 }  // namespace partpose

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -28,5 +29,26 @@ struct ConvexHull {
 /// extent, and whether a point lies above a triangle is decided in 64-bit integers. Duplicate, coplanar and nearly
 /// coplanar points do no harm. Throws Error when a coordinate is not finite, and when all points are on one line.
 ConvexHull convex_hull(std::span<const Eigen::Vector3f> points_mm);
+
+/// The corners of the convex outline of points in a plane, counter-clockwise (Andrew's monotone chain, 1979).
+/// `by_x_then_y`: the points in that order. `turn(a, b, c)`: positive when c is left of the line from a to b.
+template <typename Turn>
+std::vector<int> convex_outline(std::vector<int> by_x_then_y, const Turn& turn) {
+  std::vector<int> outline;
+  for (int half = 0; half < 2; ++half) {
+    const std::size_t begin = outline.size();
+    for (const int p : by_x_then_y) {
+      while (outline.size() >= begin + 2 && turn(outline[outline.size() - 2], outline.back(), p) <= 0)
+        outline.pop_back();
+      outline.push_back(p);
+    }
+    if (!outline.empty()) outline.pop_back();  // the first of the other half
+    std::reverse(by_x_then_y.begin(), by_x_then_y.end());
+  }
+  return outline;
+}
+
+/// The same for points with coordinates, as their indices.
+std::vector<int> convex_outline(std::span<const Eigen::Vector2d> points);
 
 }  // namespace partpose

@@ -143,37 +143,20 @@ class Faces {
   /// the plane) must not cut off the middle, hence the outline; the face beyond is that of the longest edge skipped.
   void support_polygon(Face& face, const std::map<int, std::pair<int, int>>& border) const {
     const Eigen::Vector3d x = face.down.unitOrthogonal(), y = face.down.cross(x);  // counter-clockwise from outside
-    std::vector<std::pair<std::array<double, 2>, int>> corners;
+    std::vector<Eigen::Vector2d> corners;
+    std::vector<int> vertex;
     for (const auto& [v, unused] : border) {
       const Eigen::Vector3d p = hull_.vertices[v] - centre_;
-      corners.push_back({{p.dot(x), p.dot(y)}, v});
+      corners.emplace_back(p.dot(x), p.dot(y));
+      vertex.push_back(v);
     }
-    std::sort(corners.begin(), corners.end());
-    const auto turn = [&](int a, int b, int c) {
-      const auto& [pa, pb, pc] = std::tie(corners[a].first, corners[b].first, corners[c].first);
-      return (pb[0] - pa[0]) * (pc[1] - pa[1]) - (pb[1] - pa[1]) * (pc[0] - pa[0]);
-    };
-    std::vector<int> outline;
-    std::vector<int> order(corners.size());
-    std::iota(order.begin(), order.end(), 0);
-    for (int half = 0; half < 2; ++half) {
-      const std::size_t begin = outline.size();
-      for (const int p : order) {
-        while (outline.size() >= begin + 2 && turn(outline[outline.size() - 2], outline.back(), p) <= 0)
-          outline.pop_back();
-        outline.push_back(p);
-      }
-      outline.pop_back();
-      std::reverse(order.begin(), order.end());
-    }
+    const std::vector<int> outline = convex_outline(corners);
     for (std::size_t i = 0; i < outline.size(); ++i) {
-      const auto& [a, from] = corners[outline[i]];
-      const auto& [b, to] = corners[outline[(i + 1) % outline.size()]];
-      const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
-      if (!(length > 0)) continue;
-      // The origin is below the centre of mass.
-      const double distance = ((b[0] - a[0]) * -a[1] - (b[1] - a[1]) * -a[0]) / length;
-      face.edges.push_back({distance, face_beyond(border, from, to)});
+      const int from = outline[i], to = outline[(i + 1) % outline.size()];
+      const Eigen::Vector2d &a = corners[from], edge = corners[to] - a;
+      if (!(edge.norm() > 0)) continue;
+      const double distance = (a.x() * edge.y() - a.y() * edge.x()) / edge.norm();  // of the point below the centre
+      face.edges.push_back({distance, face_beyond(border, vertex[from], vertex[to])});
     }
   }
 
