@@ -500,7 +500,8 @@ struct SceneGenerator::Impl {
     const bool stands = height_needed < 300 && height_needed < 0.7 * camera.z();
     const double angle = stands ? std::atan2(level.y(), level.x()) : 2 * std::numbers::pi * random.uniform();
     const double side = random.below(2) == 0 ? 1 : -1;
-    const double half_width = reach + 15;
+    // No wider than the task asks, so that the plate does not become the largest plane in the picture.
+    const double half_width = std::min(reach, 1.3 * hidden * reach) + 10, half_length = reach + 10;
 
     Eigen::Vector3d centre;  // where it hides all
     std::optional<Body> body;
@@ -514,7 +515,7 @@ struct SceneGenerator::Impl {
       const double along = (height - top / 2) / (camera.z() - top / 2);
       const Eigen::Vector2d at = middle + along * level;
       centre = {at.x(), at.y(), height};
-      body.emplace("plate", box_mesh({-half_width, -half_width, 0}, {half_width, half_width, depth}));
+      body.emplace("plate", box_mesh({-half_length, -half_width, 0}, {half_length, half_width, depth}));
     }
     const Eigen::Vector3d sideways(-side * std::sin(angle), side * std::cos(angle), 0);
     const auto pose_at = [&](double shift_mm) {
@@ -535,7 +536,8 @@ struct SceneGenerator::Impl {
         }
       return all == 0 ? 1.0 : 1 - static_cast<double>(seen) / all;
     };
-    double hides = 0, shows = 2 * half_width + 60;  // shifts
+    // Between these shifts the plate's outer edge is beyond the part: the farther out, the less it hides.
+    double hides = std::max(0.0, reach + 10 - half_width), shows = reach + half_width + 50;
     if (hidden_at(hides) < hidden) return std::nullopt;
     for (int i = 0; i < 16; ++i) {
       const double shift = 0.5 * (hides + shows);
@@ -696,6 +698,17 @@ SceneSensor gaussian_ray_sensor(double standard_deviation_mm) {
       }
     drop_far(depth, scene.farthest_mm);
     return depth;
+  };
+}
+
+SceneSensor stereo_scene_sensor(const StereoSensorOptions& options) {
+  options.check();
+  return [options](const SyntheticScene& scene, std::uint64_t seed) {
+    const DepthImage right = render_scene(scene, right_from_left(options), scene.intrinsics);
+    StereoCapture capture =
+        stereo_capture(scene.depth, right, scene.intrinsics, options, Random(seed, scene.frame).next());
+    drop_far(capture.depth, scene.farthest_mm);
+    return std::move(capture.depth);
   };
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/camera/stereo_sensor.hpp"
 #include "partpose/core/depth_image.hpp"
 #include "partpose/core/mesh.hpp"
 #include "partpose/synthesis/resting_poses.hpp"
@@ -132,6 +133,8 @@ using SceneSensor = std::function<DepthImage(const SyntheticScene& scene, std::u
 SceneSensor ideal_sensor();
 /// Independent normally distributed noise along the line of sight. Throws Error unless the deviation is >= 0.
 SceneSensor gaussian_ray_sensor(double standard_deviation_mm);
+/// A stereo camera whose left imager the scene's camera is: the pieces are drawn once more for the right one.
+SceneSensor stereo_scene_sensor(const StereoSensorOptions& options);
 
 /// Draws frames of parts that rest on a table. Frame i depends on the options, the parts and i alone: frames may be
 /// drawn in any order and by several threads at once.
