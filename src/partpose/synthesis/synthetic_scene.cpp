@@ -352,10 +352,24 @@ struct SceneGenerator::Impl {
                   options.unknown_parts[1]);
     if (options.hidden_fraction[1] > 0 && options.parts[0] < 1)
       throw Error("scenes: \"hidden_fraction\" needs a part in each frame; \"parts\" starts at 0");
+    for (const auto* list : {&parts, &unknown_parts})
+      for (const auto& part : *list) check_size(part);
     catalogue = bodies(std::move(parts));
     unknown = bodies(std::move(unknown_parts));
     for (const auto& part : catalogue) names.push_back(part.body.name);
     for (const auto& part : unknown) unknown_names.push_back(part.body.name);
+  }
+
+  /// A part that the camera would not see, or that is larger than the table, is in another unit than it should be.
+  void check_size(const ScenePart& part) const {
+    const double diagonal_mm = bounding_box_diagonal(part.mesh), distance_mm = options.camera.distance_mm[1];
+    constexpr double fewest_px = 3;
+    if (diagonal_mm * options.camera.intrinsics.fx / distance_mm < fewest_px)
+      throw Error("part \"{}\": is {:.4g} mm large, too small to be seen from {:.4g} mm: is it in millimetres?",
+                  part.name, diagonal_mm, distance_mm);
+    if (diagonal_mm > 2 * std::max(options.table_size_mm[0], options.table_size_mm[1]))
+      throw Error("part \"{}\": is {:.4g} mm large, too large for the table of {:g} x {:g} mm: is it in millimetres?",
+                  part.name, diagonal_mm, options.table_size_mm[0], options.table_size_mm[1]);
   }
 
   std::vector<PartBody> bodies(std::vector<ScenePart> parts) const {

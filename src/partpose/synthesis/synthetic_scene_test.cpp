@@ -304,10 +304,10 @@ TEST(SyntheticScene, RefusesWhatCannotBe) {
   EXPECT_PRED2(shapes::mentions, error([](auto& o) { o.floor_below_mm = 10; }), "floor_below_mm 10");
   // Metres taken for millimetres, and the other way round.
   EXPECT_PRED2(shapes::mentions, error([](auto&) {}, {{"tiny", shapes::box(Eigen::Vector3f(0.06f, 0.04f, 0.02f))}}),
-               "no arrangement");
+               "too small to be seen");
   EXPECT_PRED2(shapes::mentions, error([](auto&) {}, {{"huge", shapes::box(Eigen::Vector3f(6000, 4000, 2000))}}),
-               "no arrangement");
-  EXPECT_PRED2(shapes::mentions, error([](auto&) {}, {{"nothing", TriangleMesh{}}}), "part \"nothing\"");
+               "too large for the table");
+  EXPECT_PRED2(shapes::mentions, error([](auto&) {}, {{"nothing", shapes::plane_patch(60, 0)}}), "part \"nothing\"");
 }
 
 }  // namespace
