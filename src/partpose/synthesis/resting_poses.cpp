@@ -39,7 +39,7 @@ std::optional<Eigen::Vector3d> centre_of_solid(const TriangleMesh& mesh) {
   }
   for (const auto& [edge, count] : uses)
     if (count != 0) return std::nullopt;
-  // Inside out all over is as good; an enclosed piece that is inside out would spoil it, which the sizes below betray.
+  // Inside out all over is as good. Two sheets back to back are closed, but have no volume.
   if (std::abs(volume) < 1e-6 * std::pow(bounding_box_diagonal(merged), 3)) return std::nullopt;
   return centre + moment / volume;
 }
@@ -105,11 +105,10 @@ class Faces {
       for (std::size_t i = 0; i < triangles_[face].size(); ++i)
         for (const int next : hull_.neighbours[triangles_[face][i]]) {
           if (face_of_[next] >= 0) continue;
-          bool touches = !hull_.flat || area_vector(next).dot(normal) > 0;
+          // A sliver at the rim of a thin plate lies in the planes of both sides: it belongs to the one that it faces.
+          bool touches = area_vector(next).dot(normal) >= 0;
           for (const int v : hull_.triangles[next])
             touches = touches && normal.dot(hull_.vertices[v]) > level - tolerance_mm;
-          // A sliver at the rim of a thin plate lies in both planes: it belongs to the one that it faces.
-          touches = touches && area_vector(next).dot(normal) >= 0;
           if (!touches) continue;
           face_of_[next] = face;
           triangles_[face].push_back(next);
