@@ -20,6 +20,7 @@ void add_captured_command(CLI::App& app, const Common& common);
 void add_evaluate_command(CLI::App& app, const Common& common);
 void add_experiment_command(CLI::App& app, const Common& common);
 void add_sensor_command(CLI::App& app, const Common& common);
+void add_scenes_command(CLI::App& app, const Common& common);
 /// `failures` counts the scenes that could not be read; each was reported.
 void add_recognize_command(CLI::App& app, const Common& common, int& failures);
 
