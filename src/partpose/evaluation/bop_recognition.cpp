@@ -5,6 +5,7 @@
 #include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/error.hpp"
 #include "partpose/core/stopwatch.hpp"
+#include "partpose/io/file.hpp"
 #include "partpose/io/stl.hpp"
 #include "partpose/pipeline/catalogue_cache.hpp"
 
@@ -56,7 +57,11 @@ int take_out(DepthImage& depth, const TriangleMesh& mesh, const Eigen::Isometry3
 
 Catalogue bop_catalogue(const BopDataset& dataset, const fs::path& cache_folder, const Progress& progress) {
   std::set<int> wanted;
-  for (const auto& target : dataset.targets) wanted.insert(target.obj_id);
+  for (const auto& target : dataset.targets) {
+    const BopScene& scene = dataset.scene(target.scene_id);
+    check_is_file(scene.depth_path(scene.image(target.im_id)));
+    wanted.insert(target.obj_id);
+  }
   if (wanted.empty()) throw Error("{}: has no targets: nothing to recognize", dataset.folder.string());
   const TemporaryFolder folder(fs::temp_directory_path() / fmt::format("partpose-bop-{}", getpid()));
   std::vector<fs::path> paths;

@@ -202,8 +202,8 @@ int image_width_of(const BopDataset& dataset, const std::vector<ImageTargets>& i
     if (std::filesystem::exists(entry.scene->depth_path(*entry.image)))
       return entry.scene->read_depth(*entry.image).width;
   throw Error(
-      "{}: the images' width is not known: there is neither a camera.json nor a depth image; give it (MSPD's "
-      "thresholds depend on it)",
+      "{}: the images' width is not known: there is neither a camera.json nor a depth image; MSPD "
+      "needs it: give --image-width",
       dataset.folder.string());
 }
 
