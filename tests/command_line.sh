@@ -74,6 +74,25 @@ good "evaluate" evaluate --dataset small --test small --config "$root/configs/pi
 good "dataset without configuration" recognize --dataset dataset --jsonl lines.jsonl "$frame"
 good "captured set" captured "$root/scenes" --models "$root/parts" --kind instance
 
+echo "-- datasets of the BOP benchmark"
+golden="$root/tests/bop_golden/mini_bop"
+results=golden_minibop-test.csv
+for command in "bop" "bop recognize" "bop score"; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
+good "bop score" bop score "$golden" "$golden/$results" --image-width 640 --json scores.json
+grep -q '^all  *-  *-  *34.5  *44.1$' out.txt || fail "bop score: $(cat out.txt)"
+grep -q '"bop19_average_recall_mssd": 0.3454545454545' scores.json || fail "bop score --json: $(head -c 300 scores.json)"
+bad "unknown image width" "give --image-width" bop score "$golden" "$golden/$results"
+bad "no depth image" "000000.png: no such file" bop recognize "$golden" -o r.csv
+[ ! -e r.csv ] || fail "a results file without results was left behind"
+bad "no such BOP dataset" "nowhere: no such folder" bop score nowhere "$golden/$results"
+bad "no such split" "train: no such folder" bop score "$golden" "$golden/$results" --split train
+bad "no such results" "nowhere.csv: no such file" bop score "$golden" nowhere.csv --image-width 640
+sed '3s/,0.404$/,late/' "$golden/$results" >$results && bad "damaged results" "line 3: time: 'late'" bop score "$golden" $results --image-width 640
+cp -r "$golden" toy && chmod -R u+w toy
+sed -i 's/"diameter"/"size"/' toy/models_eval/models_info.json && bad "models_info.json without a diameter" 'models_info.json: key "1.diameter" is missing' bop score toy "$golden/$results" --image-width 640
+cp "$golden/models_eval/models_info.json" toy/models_eval/ && rm toy/models_eval/obj_000003.ply && bad "no model" "obj_000003.ply: no such file" bop score toy "$golden/$results" --image-width 640
+bad "no BOP command" "subcommand" bop
+
 echo "-- bad parts"
 bad "no models" "no such file or folder" recognize --models nowhere "$frame"
 mkdir empty && bad "folder without STL" "no STL files" recognize --models empty "$frame"

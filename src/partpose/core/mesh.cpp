@@ -39,7 +39,7 @@ double diameter(const TriangleMesh& mesh) {
   std::sort(vertices.begin(), vertices.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   double largest = 0;
   constexpr double rounding = 1 + 1e-12;
-  for (std::size_t i = 0; i < vertices.size() && 2 * vertices[i].first * rounding > largest; ++i)
+  for (std::size_t i = 0; i < vertices.size() && (vertices[i].first + vertices[0].first) * rounding > largest; ++i)
     for (std::size_t j = 0; j < i && (vertices[i].first + vertices[j].first) * rounding > largest; ++j)
       largest = std::max(largest, (vertices[i].second - vertices[j].second).norm());
   return largest;
