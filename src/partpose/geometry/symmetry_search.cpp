@@ -1,0 +1,462 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/geometry/symmetry_search.hpp"
+
+#include "partpose/core/error.hpp"
+#include "partpose/core/parallel.hpp"
+#include "partpose/core/pose.hpp"
+#include "partpose/geometry/distance_grid.hpp"
+#include "partpose/geometry/icosphere.hpp"
+#include "partpose/geometry/surface_distance.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace partpose {
+
+namespace {
+
+using std::numbers::pi;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// The triangles' area, its centre, and its second moments about the centre.
+struct AreaMoments {
+  double area = 0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+
+  explicit AreaMoments(const TriangleMesh& mesh) {
+    // About a corner rather than the origin, which may be far away.
+    const Eigen::Vector3d base = mesh.vertices[mesh.triangles[0][0]].cast<double>();
+    Eigen::Vector3d first = Eigen::Vector3d::Zero();
+    for (const auto& [i, j, k] : mesh.triangles) {
+      const Eigen::Vector3d a = mesh.vertices[i].cast<double>() - base, b = mesh.vertices[j].cast<double>() - base,
+                            c = mesh.vertices[k].cast<double>() - base;
+      const double triangle = 0.5 * (b - a).cross(c - a).norm();
+      const Eigen::Vector3d sum = a + b + c;
+      area += triangle;
+      first += triangle / 3 * sum;
+      second += triangle / 12 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+    }
+    if (!(area > 0)) return;
+    centre = first / area;
+    second = second / area - centre * centre.transpose();
+    centre += base;
+  }
+};
+
+/// A mesh about `centre`, its vertices those that triangles use, each once.
+TriangleMesh centred(const TriangleMesh& mesh, const Eigen::Vector3d& centre) {
+  TriangleMesh used;
+  std::vector<int> new_index(mesh.vertices.size(), -1);
+  for (const auto& triangle : mesh.triangles) {
+    auto& [a, b, c] = used.triangles.emplace_back();
+    for (const auto& [corner, to] : {std::pair{triangle[0], &a}, {triangle[1], &b}, {triangle[2], &c}}) {
+      if (new_index[corner] < 0) {
+        new_index[corner] = static_cast<int>(used.vertices.size());
+        used.vertices.emplace_back((mesh.vertices[corner].cast<double>() - centre).cast<float>());
+      }
+      *to = new_index[corner];
+    }
+  }
+  return with_merged_vertices(used);
+}
+
+struct Axis {
+  Eigen::Vector3d direction;  ///< of unit length
+  Eigen::Vector3d point;
+
+  Eigen::Isometry3d turn(double angle_rad) const {
+    const Eigen::Matrix3d rotation = Eigen::AngleAxisd(angle_rad, direction).toRotationMatrix();
+    Eigen::Isometry3d motion(Eigen::Translation3d(point - rotation * point));
+    motion.linear() = rotation;
+    return motion;
+  }
+  /// The axis of a motion: its point nearest to the origin. The motion's shift along the axis is lost.
+  static Axis of(const Eigen::Isometry3d& motion) {
+    const Eigen::AngleAxisd rotation(motion.linear());
+    const Eigen::Vector3d a = rotation.axis();
+    const Eigen::Vector3d across = motion.translation() - a * a.dot(motion.translation());
+    const Eigen::Matrix3d system = Eigen::Matrix3d::Identity() - motion.linear() + a * a.transpose();
+    return {a, system.partialPivLu().solve(across)};
+  }
+};
+
+double angle_of(const Eigen::Isometry3d& motion) { return Eigen::AngleAxisd(motion.linear()).angle(); }
+
+struct Element {
+  Eigen::Isometry3d motion;
+  double deviation = infinity;
+};
+
+/// The search in coordinates about the surface's centre.
+class Search {
+ public:
+  Search(const TriangleMesh& mesh, const AreaMoments& moments, double tolerance)
+      : mesh_(centred(mesh, moments.centre)),
+        surface_(mesh_),
+        tolerance_(tolerance),
+        near_limit_(SymmetrySearch::near_factor * tolerance),
+        align_samples_(even_surface_samples(mesh_, 300)),
+        grid_(grid_points(mesh_), 1.0f, 96) {
+    for (const auto& v : mesh_.vertices) radius_ = std::max(radius_, v.cast<double>().norm());
+    for (const auto& v : mesh_.vertices) samples_.push_back(v.cast<double>());
+    const auto even = even_surface_samples(mesh_, 4000);
+    samples_.insert(samples_.end(), even.begin(), even.end());
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments.second);
+    for (int k = 0; k < 3; ++k) principal_axes_.push_back({solver.eigenvectors().col(k), Eigen::Vector3d::Zero()});
+  }
+
+  void run() {
+    for (const auto& axis : principal_axes_) try_round(axis);
+    if (!round_.empty()) return finish_round();
+
+    std::vector<Axis> axes = principal_axes_;
+    for (const auto& element : elements_from_all_rotations()) {
+      add(element);
+      add_axis(axes, Axis::of(element.motion));
+    }
+    for (const auto& axis : axes)
+      if (angle_between(axis, principal_axes_) > radians(1)) try_round(axis);
+    if (!round_.empty()) return finish_round();
+    for (const auto& axis : axes) add_turns(axis);
+    close_group();
+  }
+
+  SymmetrySearch result(const Eigen::Vector3d& centre) const {
+    SymmetrySearch search;
+    search.tolerance_mm = tolerance_;
+    const Eigen::Translation3d to_centre(centre);
+    auto elements = elements_;
+    std::stable_sort(elements.begin(), elements.end(), [](const Element& a, const Element& b) {
+      return std::lround(1e4 * angle_of(a.motion)) < std::lround(1e4 * angle_of(b.motion));
+    });
+    for (const auto& element : elements) {
+      auto& list = element.deviation <= tolerance_ ? search.found : search.near;
+      list.symmetries.discrete.push_back(to_centre * element.motion * to_centre.inverse());
+      list.discrete_deviation_mm.push_back(element.deviation);
+    }
+    for (const auto& [axis, deviation] : round_) {
+      auto& list = deviation <= tolerance_ ? search.found : search.near;
+      list.symmetries.continuous.push_back({axis.direction, axis.point + centre});
+      list.continuous_deviation_mm.push_back(deviation);
+    }
+    return search;
+  }
+
+ private:
+  struct RoundAxis {
+    Axis axis;
+    double deviation;
+  };
+
+  static std::vector<Eigen::Vector3f> grid_points(const TriangleMesh& mesh) {
+    std::vector<Eigen::Vector3f> points = mesh.vertices;
+    for (const auto& p : even_surface_samples(mesh, 20000)) points.push_back(p.cast<float>());
+    return points;
+  }
+
+  /// The largest distance between the surface and its moved copy; infinite beyond `limit`.
+  double deviation(const Eigen::Isometry3d& motion, double limit) const {
+    const Eigen::Isometry3d back = motion.inverse();
+    const double search_limit = limit * (1 + 1e-9) + 1e-9;
+    const auto of = [&](const Eigen::Vector3d& p, double so_far) {
+      const double there = surface_.nearest(motion * p, search_limit, so_far).distance_mm;
+      return std::isinf(there) ? there : std::max(there, surface_.nearest(back * p, search_limit, so_far).distance_mm);
+    };
+    double largest = 0;
+    for (const auto& p : align_samples_) {
+      largest = std::max(largest, of(p, largest));
+      if (std::isinf(largest)) return infinity;
+    }
+    std::vector<double> of_sample(samples_.size(), 0.0);
+    std::atomic<bool> beyond = false;
+    parallel_ranges(
+        samples_.size(),
+        [&](std::size_t begin, std::size_t end) {
+          double largest_here = largest;
+          for (std::size_t i = begin; i < end && !beyond; ++i) {
+            largest_here = std::max(largest_here, of(samples_[i], largest_here));
+            of_sample[i] = largest_here;
+            if (std::isinf(largest_here)) beyond = true;
+          }
+        },
+        256);
+    if (beyond) return infinity;
+    return std::max(largest, *std::max_element(of_sample.begin(), of_sample.end()));
+  }
+
+  Eigen::Isometry3d aligned(const Eigen::Isometry3d& motion) const {
+    return align_to_surface(align_samples_, surface_, motion, tolerance_, Eigen::Vector3d::Zero());
+  }
+
+  double displacement(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
+    double largest = 0;
+    for (const auto& p : align_samples_) largest = std::max(largest, (a * p - b * p).norm());
+    return largest;
+  }
+  bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
+    return displacement(a, b) <= std::max(4 * tolerance_, 1e-3 * radius_);
+  }
+
+  static double angle_between(const Axis& axis, const std::vector<Axis>& axes) {
+    double least = pi;
+    for (const auto& other : axes)
+      least = std::min(least, std::atan2(axis.direction.cross(other.direction).norm(),
+                                         std::abs(axis.direction.dot(other.direction))));
+    return least;
+  }
+  static void add_axis(std::vector<Axis>& axes, const Axis& axis) {
+    if (angle_between(axis, axes) > radians(0.5)) axes.push_back(axis);
+  }
+
+  /// The identity and those that are there already are left out; of two for one the more exact stays.
+  bool add(const Element& element) {
+    if (element.deviation > near_limit_ || same(element.motion, Eigen::Isometry3d::Identity())) return false;
+    for (auto& other : elements_) {
+      if (!same(element.motion, other.motion)) continue;
+      if (element.deviation < other.deviation) other = element;
+      return false;
+    }
+    elements_.push_back(element);
+    return true;
+  }
+
+  /// Whether the surface is one of revolution about an axis near the one given: tried at 24 turns that share no period.
+  void try_round(const Axis& guess) {
+    if (deviation(guess.turn(golden), std::max(4 * near_limit_, 0.1 * radius_)) == infinity) return;
+    const Axis axis = Axis::of(aligned(guess.turn(pi)));
+    if (angle_between(axis, {guess}) > radians(5)) return;
+    double largest = 0;
+    for (int k = 1; k <= 24 && largest < infinity; ++k)
+      largest = std::max(largest, deviation(axis.turn(golden * k), near_limit_));
+    if (largest == infinity) return;
+    for (const auto& other : round_)
+      if (angle_between(axis, {other.axis}) < radians(5)) return;
+    round_.push_back({axis, largest});
+  }
+
+  /// Reduces what is round to one axis, or three for a sphere, and looks for the half turn across it.
+  void finish_round() {
+    const auto exact = [this](const RoundAxis& r) { return r.deviation <= tolerance_; };
+    const bool found = std::any_of(round_.begin(), round_.end(), exact);
+    if (round_.size() > 1) {
+      // Round about two axes is round about all of them: about those of the model, so that the numbers are plain.
+      std::vector<RoundAxis> ball;
+      for (int k = 0; k < 3; ++k) {
+        const Axis axis{Eigen::Vector3d::Unit(k), round_.front().axis.point};
+        double largest = 0;
+        for (int turn = 1; turn <= 24 && largest < infinity; ++turn)
+          largest = std::max(largest, deviation(axis.turn(golden * turn), near_limit_));
+        if (largest < infinity) ball.push_back({axis, largest});
+      }
+      if (ball.size() == 3) {
+        round_ = ball;
+        return;
+      }
+      std::stable_sort(round_.begin(), round_.end(),
+                       [](const RoundAxis& a, const RoundAxis& b) { return a.deviation < b.deviation; });
+      round_.resize(1);
+    }
+    Axis& axis = round_.front().axis;
+    int largest = 0;
+    axis.direction.cwiseAbs().maxCoeff(&largest);
+    if (axis.direction[largest] < 0) axis.direction = -axis.direction;
+    int least = 0;
+    axis.direction.cwiseAbs().minCoeff(&least);
+    const Eigen::Vector3d across = axis.direction.cross(Eigen::Vector3d::Unit(least)).normalized();
+    const Eigen::Isometry3d half_turn = Axis{across, axis.point}.turn(pi);
+    // The alignment may turn about the axis, which is free; only its place along the axis is taken.
+    const double along = axis.direction.dot(Axis::of(aligned(half_turn)).point);
+    const Axis middle{across, axis.point + (along - axis.direction.dot(axis.point)) * axis.direction};
+    const Element flip{middle.turn(pi), deviation(middle.turn(pi), near_limit_)};
+    elements_.clear();
+    add(flip);
+    if (found) return;
+    // Nearly round only: the turns that are exact, if any.
+    add_turns(axis);
+    close_group();
+  }
+
+  /// Every rotation on a grid of about 8 degrees, scored by a table of distances; the local best ones aligned.
+  std::vector<Element> elements_from_all_rotations() const {
+    constexpr int rolls = 40;
+    constexpr std::size_t most = 90;
+    const auto directions = icosphere_directions(3, true);
+    std::vector<Eigen::Vector3f> points;
+    for (const auto& p : even_surface_samples(mesh_, 128)) points.push_back(p.cast<float>());
+    float mean_radius = 0;
+    for (const auto& p : points) mean_radius += p.norm() / static_cast<float>(points.size());
+    const float limit = (0.12f * mean_radius + static_cast<float>(near_limit_)) * static_cast<float>(points.size());
+
+    std::vector<Eigen::Quaterniond> rotations;
+    for (const auto& direction : directions)
+      for (int roll = 0; roll < rolls; ++roll)
+        rotations.push_back(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), direction) *
+                            Eigen::Quaterniond(Eigen::AngleAxisd(2 * pi * roll / rolls, Eigen::Vector3d::UnitZ())));
+    std::vector<float> score(rotations.size());
+    parallel_for(
+        rotations.size(),
+        [&](std::size_t r) {
+          const Eigen::Matrix3f rotation = rotations[r].toRotationMatrix().cast<float>();
+          for (const auto& p : points) {
+            score[r] += grid_.at(rotation * p);
+            if (score[r] > limit) break;
+          }
+        },
+        64);
+    std::vector<std::size_t> order;
+    for (std::size_t r = 0; r < score.size(); ++r)
+      if (score[r] <= limit) order.push_back(r);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return score[a] < score[b]; });
+
+    const auto apart = [](const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+      return 2 * std::acos(std::min(1.0, std::abs(a.dot(b)))) > radians(22);
+    };
+    std::vector<Eigen::Quaterniond> starts;
+    for (const std::size_t r : order) {
+      if (starts.size() == most) break;
+      if (apart(rotations[r], Eigen::Quaterniond::Identity()) &&
+          std::all_of(starts.begin(), starts.end(), [&](const auto& other) { return apart(rotations[r], other); }))
+        starts.push_back(rotations[r]);
+    }
+    std::vector<Eigen::Isometry3d> motions(starts.size());
+    parallel_for(starts.size(), [&](std::size_t i) { motions[i] = aligned(Eigen::Isometry3d(starts[i])); });
+    std::vector<Element> elements;
+    for (const auto& motion : motions) {
+      if (same(motion, Eigen::Isometry3d::Identity())) continue;
+      if (std::any_of(elements.begin(), elements.end(), [&](const Element& e) { return same(e.motion, motion); }))
+        continue;
+      const Element element{motion, deviation(motion, near_limit_)};
+      if (element.deviation < infinity) elements.push_back(element);
+    }
+    return elements;
+  }
+
+  /// The largest n for which all turns by multiples of 360 / n degrees are within `limit`.
+  std::vector<Element> turns_within(const Axis& axis, double limit) const {
+    double reach = 0;  // the farthest sample from the axis
+    for (const auto& p : align_samples_) reach = std::max(reach, axis.direction.cross(p - axis.point).norm());
+    const int largest = static_cast<int>(std::clamp(2 * pi * reach / (4 * limit), 1.0, 180.0));
+    for (int n = largest; n >= 2; --n) {
+      std::vector<Element> turns;
+      for (int k = n / 2; k >= 1; --k) {
+        const Eigen::Isometry3d motion = axis.turn(2 * pi * k / n);
+        const double reached = deviation(motion, limit);
+        if (reached == infinity) break;
+        turns.push_back({motion, reached});
+        if (2 * k != n) turns.push_back({motion.inverse(), reached});
+      }
+      if (static_cast<int>(turns.size()) == n - 1) return turns;
+    }
+    return {};
+  }
+
+  void add_turns(const Axis& axis) {
+    for (const double limit : {tolerance_, near_limit_}) {
+      const auto turns = turns_within(axis, limit);
+      for (const auto& element : turns) add(element);
+      // A half turn about a line across the axis may be too narrow a target among many teeth.
+      const int n = static_cast<int>(turns.size()) + 1;
+      if (n < 7 || limit != tolerance_) continue;
+      const Eigen::Vector3d across = axis.direction.unitOrthogonal();
+      constexpr int steps = 12;
+      for (int step = 0; step < steps; ++step) {
+        const Axis line{Eigen::AngleAxisd(pi / n * step / steps, axis.direction) * across, axis.point};
+        if (deviation(line.turn(pi), 0.1 * radius_) == infinity) continue;
+        const Eigen::Isometry3d motion = aligned(line.turn(pi));
+        const Element flip{motion, deviation(motion, near_limit_)};
+        if (flip.deviation > tolerance_) continue;
+        add(flip);
+        break;
+      }
+    }
+  }
+
+  /// The products of those that are symmetries, as far as they are within the tolerance themselves.
+  void close_group() {
+    constexpr std::size_t most = 720;
+    for (std::size_t i = 0; i < elements_.size() && elements_.size() < most; ++i) {
+      for (std::size_t j = 0; j <= i && elements_[i].deviation <= tolerance_; ++j) {
+        if (elements_[j].deviation > tolerance_) continue;
+        for (const Eigen::Isometry3d& product :
+             {elements_[i].motion * elements_[j].motion, elements_[j].motion * elements_[i].motion}) {
+          if (same(product, Eigen::Isometry3d::Identity()) || known(product)) continue;
+          const Eigen::Isometry3d motion = aligned(product);
+          const double reached = deviation(motion, tolerance_);
+          if (reached <= tolerance_) add({motion, reached});
+        }
+      }
+    }
+  }
+  bool known(const Eigen::Isometry3d& motion) const {
+    return std::any_of(elements_.begin(), elements_.end(),
+                       [&](const Element& e) { return e.deviation <= tolerance_ && same(e.motion, motion); });
+  }
+
+  static constexpr double golden = 2.399963229728653;  ///< rad: its multiples share no period with any polygon
+
+  TriangleMesh mesh_;
+  SurfaceDistance surface_;
+  double tolerance_ = 0, near_limit_ = 0, radius_ = 0;
+  std::vector<Eigen::Vector3d> align_samples_, samples_;
+  DistanceGrid grid_;
+  std::vector<Axis> principal_axes_;
+  std::vector<RoundAxis> round_;
+  std::vector<Element> elements_;
+};
+
+}  // namespace
+
+double MeasuredSymmetries::largest_deviation_mm() const {
+  double largest = 0;
+  for (const auto* list : {&discrete_deviation_mm, &continuous_deviation_mm})
+    for (const double deviation : *list) largest = std::max(largest, deviation);
+  return largest;
+}
+
+double mesh_diameter(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) return 0;
+  Eigen::AlignedBox3d box;
+  for (const auto& triangle : mesh.triangles)
+    for (const int corner : triangle) box.extend(mesh.vertices[corner].cast<double>());
+  const TriangleMesh used = centred(mesh, box.center());
+  std::vector<double> radius;
+  for (const auto& v : used.vertices) radius.push_back(v.cast<double>().norm());
+  std::vector<int> order(radius.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return radius[a] > radius[b]; });
+  // Two points are no farther apart than their radii together.
+  double largest = 0;
+  for (std::size_t i = 0; i < order.size() && 2 * radius[order[i]] > largest; ++i)
+    for (std::size_t j = i + 1; j < order.size() && radius[order[i]] + radius[order[j]] > largest; ++j)
+      largest = std::max<double>(largest, (used.vertices[order[i]] - used.vertices[order[j]]).cast<double>().norm());
+  return largest;
+}
+
+double default_symmetry_tolerance_mm(double diameter_mm) { return 0.005 * diameter_mm; }
+
+SymmetrySearch search_symmetries(const TriangleMesh& mesh, std::optional<double> tolerance_mm) {
+  for (const auto& v : mesh.vertices)
+    if (!v.allFinite()) throw Error("symmetry: the mesh has a vertex that is not finite");
+  if (mesh.triangles.empty()) throw Error("symmetry: the mesh has no triangles");
+  const AreaMoments moments(mesh);
+  if (!(moments.area > 0)) throw Error("symmetry: the mesh's triangles have no area");
+  const double diameter_mm = mesh_diameter(mesh);
+  const double tolerance = tolerance_mm.value_or(default_symmetry_tolerance_mm(diameter_mm));
+  if (!(tolerance > 0) || !std::isfinite(tolerance))
+    throw Error("symmetry tolerance {} mm: must be positive", tolerance);
+  Search search(mesh, moments, tolerance);
+  search.run();
+  SymmetrySearch result = search.result(moments.centre);
+  result.diameter_mm = diameter_mm;
+  return result;
+}
+
+}  // namespace partpose
