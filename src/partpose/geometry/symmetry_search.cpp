@@ -93,6 +93,7 @@ double angle_of(const Eigen::Isometry3d& motion) { return Eigen::AngleAxisd(moti
 struct Element {
   Eigen::Isometry3d motion;
   double deviation = infinity;
+  double share = 1;  ///< of the surface that lies farther off than the tolerance
 };
 
 /// The search in coordinates about the surface's centre.
@@ -102,11 +103,12 @@ class Search {
       : mesh_(centred(mesh, moments.centre)),
         surface_(mesh_),
         tolerance_(tolerance),
-        near_limit_(SymmetrySearch::near_factor * tolerance),
-        align_samples_(even_surface_samples(mesh_, 300)),
-        grid_(grid_points(mesh_), 1.0f, 96) {
-    for (const auto& v : mesh_.vertices) radius_ = std::max(radius_, v.cast<double>().norm());
+        coarse_samples_(even_surface_samples(mesh_, 96)),
+        align_samples_(even_surface_samples(mesh_, 250)),
+        share_samples_(even_surface_samples(mesh_, 1000)),
+        grid_(grid_points(mesh_), 1.0f, 64) {
     for (const auto& v : mesh_.vertices) samples_.push_back(v.cast<double>());
+    for (const auto& v : samples_) radius_ = std::max(radius_, v.norm());
     const auto even = even_surface_samples(mesh_, 4000);
     samples_.insert(samples_.end(), even.begin(), even.end());
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments.second);
@@ -115,18 +117,18 @@ class Search {
 
   void run() {
     for (const auto& axis : principal_axes_) try_round(axis);
-    if (!round_.empty()) return finish_round();
+    if (finish_round()) return;
 
     std::vector<Axis> axes = principal_axes_;
     for (const auto& element : elements_from_all_rotations()) {
       add(element);
       add_axis(axes, Axis::of(element.motion));
     }
-    for (const auto& axis : axes)
-      if (angle_between(axis, principal_axes_) > radians(1)) try_round(axis);
-    if (!round_.empty()) return finish_round();
+    for (std::size_t i = principal_axes_.size(); i < axes.size(); ++i) try_round(axes[i]);
+    if (finish_round()) return;
     for (const auto& axis : axes) add_turns(axis);
     close_group();
+    thin_out_near();
   }
 
   SymmetrySearch result(const Eigen::Vector3d& centre) const {
@@ -138,7 +140,7 @@ class Search {
       return std::lround(1e4 * angle_of(a.motion)) < std::lround(1e4 * angle_of(b.motion));
     });
     for (const auto& element : elements) {
-      auto& list = element.deviation <= tolerance_ ? search.found : search.near;
+      auto& list = exact(element) ? search.found : search.near;
       list.symmetries.discrete.push_back(to_centre * element.motion * to_centre.inverse());
       list.discrete_deviation_mm.push_back(element.deviation);
     }
@@ -158,9 +160,11 @@ class Search {
 
   static std::vector<Eigen::Vector3f> grid_points(const TriangleMesh& mesh) {
     std::vector<Eigen::Vector3f> points = mesh.vertices;
-    for (const auto& p : even_surface_samples(mesh, 20000)) points.push_back(p.cast<float>());
+    for (const auto& p : even_surface_samples(mesh, 15000)) points.push_back(p.cast<float>());
     return points;
   }
+
+  bool exact(const Element& element) const { return element.deviation <= tolerance_; }
 
   /// The largest distance between the surface and its moved copy; infinite beyond `limit`.
   double deviation(const Eigen::Isometry3d& motion, double limit) const {
@@ -171,7 +175,7 @@ class Search {
       return std::isinf(there) ? there : std::max(there, surface_.nearest(back * p, search_limit, so_far).distance_mm);
     };
     double largest = 0;
-    for (const auto& p : align_samples_) {
+    for (const auto& p : coarse_samples_) {
       largest = std::max(largest, of(p, largest));
       if (std::isinf(largest)) return infinity;
     }
@@ -190,6 +194,28 @@ class Search {
         256);
     if (beyond) return infinity;
     return std::max(largest, *std::max_element(of_sample.begin(), of_sample.end()));
+  }
+
+  /// The share of the surface and of its moved copy that lies farther from the other than the tolerance; 1 when that
+  /// is more than a near symmetry may have.
+  double share_off(const Eigen::Isometry3d& motion) const {
+    const Eigen::Isometry3d back = motion.inverse();
+    const auto all = static_cast<double>(2 * share_samples_.size());
+    int off = 0;
+    for (const auto& p : share_samples_) {
+      for (const Eigen::Vector3d& moved : {motion * p, back * p})
+        off += surface_.nearest(moved, tolerance_, tolerance_).triangle < 0;
+      if (off > SymmetrySearch::near_area_share * all) return 1;
+    }
+    return off / all;
+  }
+
+  /// A motion measured: what is neither exact nor near has an infinite deviation.
+  Element measured(const Eigen::Isometry3d& motion) const {
+    Element element{motion};
+    element.share = share_off(motion);
+    if (element.share < 1) element.deviation = deviation(motion, infinity);
+    return element;
   }
 
   Eigen::Isometry3d aligned(const Eigen::Isometry3d& motion) const {
@@ -217,83 +243,92 @@ class Search {
   }
 
   /// The identity and those that are there already are left out; of two for one the more exact stays.
-  bool add(const Element& element) {
-    if (element.deviation > near_limit_ || same(element.motion, Eigen::Isometry3d::Identity())) return false;
+  void add(const Element& element) {
+    if (std::isinf(element.deviation) || same(element.motion, Eigen::Isometry3d::Identity())) return;
     for (auto& other : elements_) {
       if (!same(element.motion, other.motion)) continue;
       if (element.deviation < other.deviation) other = element;
-      return false;
+      return;
     }
     elements_.push_back(element);
-    return true;
   }
 
-  /// Whether the surface is one of revolution about an axis near the one given: tried at 24 turns that share no period.
-  void try_round(const Axis& guess) {
-    if (deviation(guess.turn(golden), std::max(4 * near_limit_, 0.1 * radius_)) == infinity) return;
-    const Axis axis = Axis::of(aligned(guess.turn(pi)));
-    if (angle_between(axis, {guess}) > radians(5)) return;
+  /// The largest deviation of 24 turns about an axis that share no period; infinite when one is not even near.
+  double round_deviation(const Axis& axis) const {
     double largest = 0;
     for (int k = 1; k <= 24 && largest < infinity; ++k)
-      largest = std::max(largest, deviation(axis.turn(golden * k), near_limit_));
-    if (largest == infinity) return;
-    for (const auto& other : round_)
-      if (angle_between(axis, {other.axis}) < radians(5)) return;
-    round_.push_back({axis, largest});
+      largest = std::max(largest, deviation(axis.turn(golden * k), tolerance_));
+    if (largest < infinity) return largest;
+    for (int k = 1; k <= 24; ++k)
+      if (share_off(axis.turn(golden * k)) == 1) return infinity;
+    for (int k = 1; k <= 24; ++k) largest = std::max(k == 1 ? 0 : largest, deviation(axis.turn(golden * k), infinity));
+    return largest;
   }
 
-  /// Reduces what is round to one axis, or three for a sphere, and looks for the half turn across it.
-  void finish_round() {
-    const auto exact = [this](const RoundAxis& r) { return r.deviation <= tolerance_; };
-    const bool found = std::any_of(round_.begin(), round_.end(), exact);
-    if (round_.size() > 1) {
-      // Round about two axes is round about all of them: about those of the model, so that the numbers are plain.
-      std::vector<RoundAxis> ball;
+  /// Whether the surface is one of revolution about an axis near the one given.
+  void try_round(const Axis& guess) {
+    int off = 0;
+    for (const auto& p : coarse_samples_)
+      off += surface_.nearest(guess.turn(golden) * p, 2 * tolerance_ + 0.05 * radius_, infinity).triangle < 0;
+    if (off > 2 * SymmetrySearch::near_area_share * static_cast<double>(coarse_samples_.size())) return;
+    const Axis axis = Axis::of(aligned(guess.turn(pi)));
+    if (angle_between(axis, {guess}) > radians(5)) return;
+    for (const auto& other : round_)
+      if (angle_between(axis, {other.axis}) < radians(5)) return;
+    const double deviation = round_deviation(axis);
+    if (deviation < infinity) round_.push_back({axis, deviation});
+  }
+
+  /// If the surface is one of revolution: its one axis, or three for a sphere, and the half turn across, if any.
+  bool finish_round() {
+    std::vector<RoundAxis> axes;
+    for (const auto& round : round_)
+      if (round.deviation <= tolerance_) axes.push_back(round);
+    if (axes.empty()) return false;
+    elements_.clear();
+    round_.clear();
+    std::stable_sort(axes.begin(), axes.end(),
+                     [](const RoundAxis& a, const RoundAxis& b) { return a.deviation < b.deviation; });
+    if (axes.size() > 1) {
+      // Round about two axes is round about all: about those of the model frame, so that the numbers are plain.
       for (int k = 0; k < 3; ++k) {
-        const Axis axis{Eigen::Vector3d::Unit(k), round_.front().axis.point};
-        double largest = 0;
-        for (int turn = 1; turn <= 24 && largest < infinity; ++turn)
-          largest = std::max(largest, deviation(axis.turn(golden * turn), near_limit_));
-        if (largest < infinity) ball.push_back({axis, largest});
+        const Axis axis{Eigen::Vector3d::Unit(k), axes[0].axis.point};
+        const double deviation = round_deviation(axis);
+        if (deviation <= tolerance_) round_.push_back({axis, deviation});
       }
-      if (ball.size() == 3) {
-        round_ = ball;
-        return;
-      }
-      std::stable_sort(round_.begin(), round_.end(),
-                       [](const RoundAxis& a, const RoundAxis& b) { return a.deviation < b.deviation; });
-      round_.resize(1);
+      if (round_.size() == 3) return true;
+      round_.clear();
     }
-    Axis& axis = round_.front().axis;
+    Axis& axis = axes[0].axis;
     int largest = 0;
     axis.direction.cwiseAbs().maxCoeff(&largest);
     if (axis.direction[largest] < 0) axis.direction = -axis.direction;
+    round_.push_back(axes[0]);
+    add(measured(half_turn_across(axis)));
+    return true;
+  }
+
+  /// The half turn that swaps the ends of a surface of revolution best.
+  Eigen::Isometry3d half_turn_across(const Axis& axis) const {
     int least = 0;
     axis.direction.cwiseAbs().minCoeff(&least);
     const Eigen::Vector3d across = axis.direction.cross(Eigen::Vector3d::Unit(least)).normalized();
-    const Eigen::Isometry3d half_turn = Axis{across, axis.point}.turn(pi);
     // The alignment may turn about the axis, which is free; only its place along the axis is taken.
-    const double along = axis.direction.dot(Axis::of(aligned(half_turn)).point);
-    const Axis middle{across, axis.point + (along - axis.direction.dot(axis.point)) * axis.direction};
-    const Element flip{middle.turn(pi), deviation(middle.turn(pi), near_limit_)};
-    elements_.clear();
-    add(flip);
-    if (found) return;
-    // Nearly round only: the turns that are exact, if any.
-    add_turns(axis);
-    close_group();
+    const double along = axis.direction.dot(Axis::of(aligned(Axis{across, axis.point}.turn(pi))).point);
+    return Axis{across, axis.point + (along - axis.direction.dot(axis.point)) * axis.direction}.turn(pi);
   }
 
   /// Every rotation on a grid of about 8 degrees, scored by a table of distances; the local best ones aligned.
   std::vector<Element> elements_from_all_rotations() const {
     constexpr int rolls = 40;
-    constexpr std::size_t most = 90;
+    constexpr std::size_t most = 64;  // an icosahedron has 59
     const auto directions = icosphere_directions(3, true);
     std::vector<Eigen::Vector3f> points;
-    for (const auto& p : even_surface_samples(mesh_, 128)) points.push_back(p.cast<float>());
+    for (const auto& p : coarse_samples_) points.push_back(p.cast<float>());
     float mean_radius = 0;
     for (const auto& p : points) mean_radius += p.norm() / static_cast<float>(points.size());
-    const float limit = (0.12f * mean_radius + static_cast<float>(near_limit_)) * static_cast<float>(points.size());
+    const float limit = (0.12f * mean_radius + static_cast<float>(tolerance_) + 0.5f * grid_.cell_mm()) *
+                        static_cast<float>(points.size());
 
     std::vector<Eigen::Quaterniond> rotations;
     for (const auto& direction : directions)
@@ -326,32 +361,40 @@ class Search {
           std::all_of(starts.begin(), starts.end(), [&](const auto& other) { return apart(rotations[r], other); }))
         starts.push_back(rotations[r]);
     }
-    std::vector<Eigen::Isometry3d> motions(starts.size());
-    parallel_for(starts.size(), [&](std::size_t i) { motions[i] = aligned(Eigen::Isometry3d(starts[i])); });
+    std::vector<std::optional<Eigen::Isometry3d>> motions(starts.size());
+    parallel_for(starts.size(), [&](std::size_t i) {
+      const auto motion = align_to_surface(coarse_samples_, surface_, Eigen::Isometry3d(starts[i]), tolerance_,
+                                           Eigen::Vector3d::Zero(), 8);
+      const double loose = 2 * tolerance_ + 0.02 * radius_;
+      int off = 0;
+      for (const auto& p : coarse_samples_) off += surface_.nearest(motion * p, loose, loose).triangle < 0;
+      if (off <= 3 * SymmetrySearch::near_area_share * static_cast<double>(coarse_samples_.size()))
+        motions[i] = aligned(motion);
+    });
     std::vector<Element> elements;
     for (const auto& motion : motions) {
-      if (same(motion, Eigen::Isometry3d::Identity())) continue;
-      if (std::any_of(elements.begin(), elements.end(), [&](const Element& e) { return same(e.motion, motion); }))
+      if (!motion || same(*motion, Eigen::Isometry3d::Identity())) continue;
+      if (std::any_of(elements.begin(), elements.end(), [&](const Element& e) { return same(e.motion, *motion); }))
         continue;
-      const Element element{motion, deviation(motion, near_limit_)};
+      const Element element = measured(*motion);
       if (element.deviation < infinity) elements.push_back(element);
     }
     return elements;
   }
 
-  /// The largest n for which all turns by multiples of 360 / n degrees are within `limit`.
-  std::vector<Element> turns_within(const Axis& axis, double limit) const {
-    double reach = 0;  // the farthest sample from the axis
+  /// All turns by multiples of 360 / n degrees, for the largest n for which all are within the tolerance.
+  std::vector<Element> turns_about(const Axis& axis) const {
+    double reach = 0;  // of the farthest sample from the axis
     for (const auto& p : align_samples_) reach = std::max(reach, axis.direction.cross(p - axis.point).norm());
-    const int largest = static_cast<int>(std::clamp(2 * pi * reach / (4 * limit), 1.0, 180.0));
+    const int largest = static_cast<int>(std::clamp(2 * pi * reach / (4 * tolerance_), 1.0, 180.0));
     for (int n = largest; n >= 2; --n) {
       std::vector<Element> turns;
       for (int k = n / 2; k >= 1; --k) {
         const Eigen::Isometry3d motion = axis.turn(2 * pi * k / n);
-        const double reached = deviation(motion, limit);
+        const double reached = deviation(motion, tolerance_);
         if (reached == infinity) break;
-        turns.push_back({motion, reached});
-        if (2 * k != n) turns.push_back({motion.inverse(), reached});
+        turns.push_back({motion, reached, 0});
+        if (2 * k != n) turns.push_back({motion.inverse(), reached, 0});
       }
       if (static_cast<int>(turns.size()) == n - 1) return turns;
     }
@@ -359,23 +402,20 @@ class Search {
   }
 
   void add_turns(const Axis& axis) {
-    for (const double limit : {tolerance_, near_limit_}) {
-      const auto turns = turns_within(axis, limit);
-      for (const auto& element : turns) add(element);
-      // A half turn about a line across the axis may be too narrow a target among many teeth.
-      const int n = static_cast<int>(turns.size()) + 1;
-      if (n < 7 || limit != tolerance_) continue;
-      const Eigen::Vector3d across = axis.direction.unitOrthogonal();
-      constexpr int steps = 12;
-      for (int step = 0; step < steps; ++step) {
-        const Axis line{Eigen::AngleAxisd(pi / n * step / steps, axis.direction) * across, axis.point};
-        if (deviation(line.turn(pi), 0.1 * radius_) == infinity) continue;
-        const Eigen::Isometry3d motion = aligned(line.turn(pi));
-        const Element flip{motion, deviation(motion, near_limit_)};
-        if (flip.deviation > tolerance_) continue;
-        add(flip);
-        break;
-      }
+    const auto turns = turns_about(axis);
+    for (const auto& element : turns) add(element);
+    // A half turn about a line across the axis may be too narrow a target among many teeth.
+    const int n = static_cast<int>(turns.size()) + 1;
+    if (n < 7) return;
+    const Eigen::Vector3d across = axis.direction.unitOrthogonal();
+    constexpr int steps = 12;
+    for (int step = 0; step < steps; ++step) {
+      const Axis line{Eigen::AngleAxisd(pi / n * step / steps, axis.direction) * across, axis.point};
+      if (deviation(line.turn(pi), 0.1 * radius_) == infinity) continue;
+      const Element flip = measured(aligned(line.turn(pi)));
+      if (!exact(flip)) continue;
+      add(flip);
+      break;
     }
   }
 
@@ -383,29 +423,52 @@ class Search {
   void close_group() {
     constexpr std::size_t most = 720;
     for (std::size_t i = 0; i < elements_.size() && elements_.size() < most; ++i) {
-      for (std::size_t j = 0; j <= i && elements_[i].deviation <= tolerance_; ++j) {
-        if (elements_[j].deviation > tolerance_) continue;
+      for (std::size_t j = 0; j <= i && exact(elements_[i]); ++j) {
+        if (!exact(elements_[j])) continue;
         for (const Eigen::Isometry3d& product :
              {elements_[i].motion * elements_[j].motion, elements_[j].motion * elements_[i].motion}) {
           if (same(product, Eigen::Isometry3d::Identity()) || known(product)) continue;
           const Eigen::Isometry3d motion = aligned(product);
           const double reached = deviation(motion, tolerance_);
-          if (reached <= tolerance_) add({motion, reached});
+          if (reached <= tolerance_) add({motion, reached, 0});
         }
       }
     }
   }
   bool known(const Eigen::Isometry3d& motion) const {
     return std::any_of(elements_.begin(), elements_.end(),
-                       [&](const Element& e) { return e.deviation <= tolerance_ && same(e.motion, motion); });
+                       [&](const Element& e) { return exact(e) && same(e.motion, motion); });
+  }
+
+  /// A near symmetry beside an exact one, or beside a nearer one, is the same but for a detail, or not one at all.
+  /// What turns about a nearly round axis and a half turn across give is left to them.
+  void thin_out_near() {
+    const double apart = 0.3 * radius_;
+    std::vector<Element> near, kept;
+    for (const auto& element : elements_) (exact(element) ? kept : near).push_back(element);
+    for (const auto& round : round_) {
+      std::erase_if(near, [&](const Element& e) {
+        const double between = angle_between(Axis::of(e.motion), {round.axis});
+        return between < radians(10) || (angle_of(e.motion) > radians(160) && between > radians(80));
+      });
+      if (const Element flip = measured(half_turn_across(round.axis)); flip.share < 1 && !exact(flip))
+        near.push_back(flip);
+    }
+    std::stable_sort(near.begin(), near.end(), [](const Element& a, const Element& b) { return a.share < b.share; });
+    for (const auto& element : near)
+      if (displacement(element.motion, Eigen::Isometry3d::Identity()) > apart &&
+          std::all_of(kept.begin(), kept.end(),
+                      [&](const Element& e) { return displacement(e.motion, element.motion) > apart; }))
+        kept.push_back(element);
+    elements_ = kept;
   }
 
   static constexpr double golden = 2.399963229728653;  ///< rad: its multiples share no period with any polygon
 
   TriangleMesh mesh_;
   SurfaceDistance surface_;
-  double tolerance_ = 0, near_limit_ = 0, radius_ = 0;
-  std::vector<Eigen::Vector3d> align_samples_, samples_;
+  double tolerance_ = 0, radius_ = 0;
+  std::vector<Eigen::Vector3d> coarse_samples_, align_samples_, share_samples_, samples_;
   DistanceGrid grid_;
   std::vector<Axis> principal_axes_;
   std::vector<RoundAxis> round_;
@@ -440,7 +503,9 @@ double mesh_diameter(const TriangleMesh& mesh) {
   return largest;
 }
 
-double default_symmetry_tolerance_mm(double diameter_mm) { return 0.005 * diameter_mm; }
+double default_symmetry_tolerance_mm(double diameter_mm) {
+  return std::max(0.005 * diameter_mm, std::min(0.5, 0.02 * diameter_mm));
+}
 
 SymmetrySearch search_symmetries(const TriangleMesh& mesh, std::optional<double> tolerance_mm) {
   for (const auto& v : mesh.vertices)

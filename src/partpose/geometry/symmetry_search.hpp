@@ -22,17 +22,18 @@ struct MeasuredSymmetries {
 
 struct SymmetrySearch {
   MeasuredSymmetries found;  ///< within the tolerance
-  MeasuredSymmetries near;   ///< beyond it, up to `near_factor` times the tolerance: partners that are easily confused
+  MeasuredSymmetries near;   ///< but for a detail: at most near_area_share of the surface is beyond the tolerance
   double tolerance_mm = 0;
   double diameter_mm = 0;
 
-  static constexpr double near_factor = 5;
+  static constexpr double near_area_share = 0.1;
 };
 
 /// The largest distance between two vertices that triangles use, in mm; 0 for a mesh without triangles.
 double mesh_diameter(const TriangleMesh& mesh);
 
-/// 0.5 % of the diameter: about the depth noise of a stereo camera that the part fills a quarter of (docs/symmetry.md).
+/// 0.5 mm, or 0.5 % of the diameter if that is more: what a stereo camera can tell at best (docs/symmetry.md). Never more
+/// than 2 % of the diameter.
 double default_symmetry_tolerance_mm(double diameter_mm);
 
 /// The rotations, no reflections, that put a part's surface back onto itself within a tolerance (none: the default), by
@@ -46,7 +47,7 @@ double default_symmetry_tolerance_mm(double diameter_mm);
 ///
 /// A motion is taken where it fits the surface best in the least-squares sense (robustly, so that a detail does not
 /// pull at it), and is then measured. Throws Error for a mesh without area or with non-finite vertices, and a tolerance
-/// that is not positive. About 0.1 s for a part of 5,000 triangles.
+/// that is not positive.
 SymmetrySearch search_symmetries(const TriangleMesh& mesh, std::optional<double> tolerance_mm = {});
 
 /// Those within the tolerance.
