@@ -92,8 +92,9 @@ void add_symmetry_command(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<SymmetryArguments>();
   auto* symmetry = app.add_subcommand("symmetry", "Find the rotations that map a part onto itself");
   symmetry->add_option("models", arguments->models, "STL files, or folders of them")->required();
-  symmetry->add_option("-t,--tolerance", arguments->tolerance_mm,
-                       "Largest distance between the surface and its turned copy [mm] (default: 0.5 mm, or 0.5 % of the diameter)");
+  symmetry->add_option(
+      "-t,--tolerance", arguments->tolerance_mm,
+      "Largest distance between the surface and its turned copy [mm] (default: 0.5 mm, or 0.5 % of the diameter)");
   symmetry->add_flag("--json", arguments->json, "Print them in the form of BOP's models_info.json, by the part's name");
   symmetry->footer(
       "Examples:\n"

@@ -66,8 +66,9 @@ Symmetries ModelSymmetries::symmetries() const {
 
 ModelInfo ModelInfo::of(const std::string& name, const TriangleMesh& mesh, const ModelSymmetries& symmetries) {
   const auto box = bounding_box(mesh);
-  return {name,           mesh_diameter(mesh), box.min().x(),   box.min().y(),   box.min().z(),
-          box.sizes().x(), box.sizes().y(),     box.sizes().z(), symmetries};
+  return {name,          mesh_diameter(mesh), box.min().x(),   box.min().y(),
+          box.min().z(), box.sizes().x(),     box.sizes().y(), box.sizes().z(),
+          symmetries};
 }
 
 std::map<std::string, ModelInfo> read_models_info(const std::filesystem::path& path) {
