@@ -16,6 +16,8 @@ namespace partpose {
 
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 /// Ericson 2005, Real-Time Collision Detection, 5.1.5: by the Voronoi region that the point lies in.
 Eigen::Vector3d nearest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                     const Eigen::Vector3d& c) {
@@ -52,32 +54,73 @@ SurfaceDistance::SurfaceDistance(const TriangleMesh& mesh) : mesh_(mesh) {
   order_.resize(boxes.size());
   std::iota(order_.begin(), order_.end(), 0);
   nodes_.reserve(boxes.size());
-  build(0, static_cast<int>(order_.size()), boxes);
+  build(0, static_cast<int>(order_.size()), boxes, 0);
 }
 
-int SurfaceDistance::build(int begin, int end, const std::vector<Eigen::AlignedBox3f>& boxes) {
+int SurfaceDistance::build(int begin, int end, const std::vector<Eigen::AlignedBox3f>& boxes, int level) {
   constexpr int leaf_size = 4;
   const int index = static_cast<int>(nodes_.size());
   nodes_.emplace_back();
-  Eigen::AlignedBox3f box, centres;
-  for (int i = begin; i < end; ++i) {
-    box.extend(boxes[order_[i]]);
-    centres.extend(boxes[order_[i]].center());
-  }
+  Eigen::AlignedBox3f box;
+  for (int i = begin; i < end; ++i) box.extend(boxes[order_[i]]);
   int right = -1;
   if (end - begin > leaf_size) {
-    int axis = 0;
-    centres.sizes().maxCoeff(&axis);
-    const int middle = (begin + end) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](int a, int b) {
-      const float centre_a = boxes[a].center()[axis], centre_b = boxes[b].center()[axis];
-      return centre_a != centre_b ? centre_a < centre_b : a < b;
-    });
-    build(begin, middle, boxes);
-    right = build(middle, end, boxes);
+    const int middle = level < deepest / 2 ? cheapest_split(begin, end, boxes) : (begin + end) / 2;
+    build(begin, middle, boxes, level + 1);
+    right = build(middle, end, boxes, level + 1);
   }
   nodes_[index] = {box, begin, end, right};
   return index;
+}
+
+int SurfaceDistance::cheapest_split(int begin, int end, const std::vector<Eigen::AlignedBox3f>& boxes) {
+  // The surface area heuristic in bins along each axis (Wald 2007): long slivers, of which CAD meshes are full, make
+  // bad boxes otherwise.
+  constexpr int bins = 16;
+  Eigen::AlignedBox3f centres;
+  for (int i = begin; i < end; ++i) centres.extend(boxes[order_[i]].center());
+  const auto area = [](const Eigen::AlignedBox3f& box) {
+    const Eigen::Vector3f size = box.sizes();
+    return size.x() * size.y() + size.y() * size.z() + size.z() * size.x();
+  };
+  const auto bin_of = [&](int triangle, int axis) {
+    const float along = (boxes[triangle].center()[axis] - centres.min()[axis]) / centres.sizes()[axis];
+    return std::min(bins - 1, static_cast<int>(along * bins));
+  };
+  float least = std::numeric_limits<float>::infinity();
+  int best_axis = -1, best_bin = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(centres.sizes()[axis] > 0)) continue;
+    std::array<Eigen::AlignedBox3f, bins> box;
+    std::array<int, bins> count{};
+    for (int i = begin; i < end; ++i) {
+      const int bin = bin_of(order_[i], axis);
+      box[bin].extend(boxes[order_[i]]);
+      ++count[bin];
+    }
+    std::array<float, bins> cost_above{};
+    Eigen::AlignedBox3f above, below;
+    for (int bin = bins - 1, so_far = 0; bin > 0; --bin) {
+      above.extend(box[bin]);
+      so_far += count[bin];
+      cost_above[bin] = so_far ? static_cast<float>(so_far) * area(above) : 0;
+    }
+    for (int bin = 1, so_far = 0; bin < bins; ++bin) {
+      below.extend(box[bin - 1]);
+      so_far += count[bin - 1];
+      if (so_far == 0 || so_far == end - begin) continue;
+      const float cost = static_cast<float>(so_far) * area(below) + cost_above[bin];
+      if (cost < least) {
+        least = cost;
+        best_axis = axis;
+        best_bin = bin;
+      }
+    }
+  }
+  if (best_axis < 0) return (begin + end) / 2;
+  const auto middle = std::partition(order_.begin() + begin, order_.begin() + end,
+                                     [&](int triangle) { return bin_of(triangle, best_axis) < best_bin; });
+  return static_cast<int>(middle - order_.begin());
 }
 
 SurfaceDistance::Nearest SurfaceDistance::nearest(const Eigen::Vector3d& query_mm, double limit_mm,
@@ -92,7 +135,7 @@ SurfaceDistance::Nearest SurfaceDistance::nearest(const Eigen::Vector3d& query_m
     int node;
     double squared;
   };
-  std::array<Entry, 64> stack;  // one entry a level, and the tree halves its triangles at each
+  std::array<Entry, deepest + 2> stack;  // one entry a level, and one more
   int depth = 0;
   stack[depth++] = {0, box_distance(0)};
   while (depth > 0) {
@@ -174,7 +217,7 @@ Eigen::Isometry3d align_to_surface(std::span<const Eigen::Vector3d> points_mm, c
     const Eigen::Vector3d centre = pose * turn_centre_mm;
     for (const auto& p : points_mm) {
       const Eigen::Vector3d moved = pose * p;
-      const auto nearest = surface.nearest(moved);
+      const auto nearest = surface.nearest(moved, infinity, 1e-3 * scale_mm);
       const Eigen::Vector3d off = moved - nearest.point_mm;
       const Eigen::Vector3d normal = nearest.distance_mm > 1e-6 * lever ? Eigen::Vector3d(off / nearest.distance_mm)
                                                                         : surface.normal(nearest.triangle);

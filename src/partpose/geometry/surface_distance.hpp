@@ -39,7 +39,9 @@ class SurfaceDistance {
     int begin = 0, end = 0;  ///< into order_
     int right = -1;          ///< the second child, the first follows its parent; -1: a leaf
   };
-  int build(int begin, int end, const std::vector<Eigen::AlignedBox3f>& boxes);
+  static constexpr int deepest = 96;  ///< levels: below half of them triangles are simply halved
+  int build(int begin, int end, const std::vector<Eigen::AlignedBox3f>& boxes, int level);
+  int cheapest_split(int begin, int end, const std::vector<Eigen::AlignedBox3f>& boxes);
 
   TriangleMesh mesh_;
   std::vector<int> order_;

@@ -171,8 +171,9 @@ class Search {
     const Eigen::Isometry3d back = motion.inverse();
     const double search_limit = limit * (1 + 1e-9) + 1e-9;
     const auto of = [&](const Eigen::Vector3d& p, double so_far) {
-      const double there = surface_.nearest(motion * p, search_limit, so_far).distance_mm;
-      return std::isinf(there) ? there : std::max(there, surface_.nearest(back * p, search_limit, so_far).distance_mm);
+      const double enough = std::max(so_far, 0.005 * tolerance_);  // nobody asks for more digits
+      const double there = surface_.nearest(motion * p, search_limit, enough).distance_mm;
+      return std::isinf(there) ? there : std::max(there, surface_.nearest(back * p, search_limit, enough).distance_mm);
     };
     double largest = 0;
     for (const auto& p : coarse_samples_) {
@@ -224,7 +225,8 @@ class Search {
 
   double displacement(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
     double largest = 0;
-    for (const auto& p : align_samples_) largest = std::max(largest, (a * p - b * p).norm());
+    for (std::size_t i = 0; i < align_samples_.size(); i += 5)
+      largest = std::max(largest, (a * align_samples_[i] - b * align_samples_[i]).norm());
     return largest;
   }
   bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
@@ -253,15 +255,16 @@ class Search {
     elements_.push_back(element);
   }
 
-  /// The largest deviation of 24 turns about an axis that share no period; infinite when one is not even near.
+  /// The largest deviation of some turns about an axis that share no period; infinite when one is not even near.
   double round_deviation(const Axis& axis) const {
     double largest = 0;
-    for (int k = 1; k <= 24 && largest < infinity; ++k)
+    for (int k = 1; k <= round_turns && largest < infinity; ++k)
       largest = std::max(largest, deviation(axis.turn(golden * k), tolerance_));
     if (largest < infinity) return largest;
-    for (int k = 1; k <= 24; ++k)
+    for (int k = 1; k <= round_turns; ++k)
       if (share_off(axis.turn(golden * k)) == 1) return infinity;
-    for (int k = 1; k <= 24; ++k) largest = std::max(k == 1 ? 0 : largest, deviation(axis.turn(golden * k), infinity));
+    for (int k = 1; k <= round_turns; ++k)
+      largest = std::max(k == 1 ? 0 : largest, deviation(axis.turn(golden * k), infinity));
     return largest;
   }
 
@@ -388,6 +391,10 @@ class Search {
     for (const auto& p : align_samples_) reach = std::max(reach, axis.direction.cross(p - axis.point).norm());
     const int largest = static_cast<int>(std::clamp(2 * pi * reach / (4 * tolerance_), 1.0, 180.0));
     for (int n = largest; n >= 2; --n) {
+      // One that all others are multiples of fails if any does.
+      int generator = std::max(1, 2 * n / 5);
+      while (std::gcd(generator, n) != 1) --generator;
+      if (deviation(axis.turn(2 * pi * generator / n), tolerance_) == infinity) continue;
       std::vector<Element> turns;
       for (int k = n / 2; k >= 1; --k) {
         const Eigen::Isometry3d motion = axis.turn(2 * pi * k / n);
@@ -419,25 +426,35 @@ class Search {
     }
   }
 
-  /// The products of those that are symmetries, as far as they are within the tolerance themselves.
+  /// All products of those that are symmetries, as far as they are within the tolerance themselves.
   void close_group() {
     constexpr std::size_t most = 720;
-    for (std::size_t i = 0; i < elements_.size() && elements_.size() < most; ++i) {
-      for (std::size_t j = 0; j <= i && exact(elements_[i]); ++j) {
-        if (!exact(elements_[j])) continue;
-        for (const Eigen::Isometry3d& product :
-             {elements_[i].motion * elements_[j].motion, elements_[j].motion * elements_[i].motion}) {
-          if (same(product, Eigen::Isometry3d::Identity()) || known(product)) continue;
+    std::vector<Element> group, generators;
+    const auto find = [this](const std::vector<Element>& list, const Eigen::Isometry3d& motion) {
+      return std::find_if(list.begin(), list.end(),
+                          [&](const Element& e) { return exact(e) && same(e.motion, motion); });
+    };
+    for (const auto& element : elements_) {
+      if (!exact(element) || find(group, element.motion) != group.end()) continue;
+      generators.push_back(element);
+      group.push_back(element);
+      for (std::size_t i = 0; i < group.size() && group.size() < most; ++i) {
+        for (const auto& generator : generators) {
+          const Eigen::Isometry3d product = generator.motion * group[i].motion;
+          if (same(product, Eigen::Isometry3d::Identity()) || find(group, product) != group.end()) continue;
+          if (const auto known = find(elements_, product); known != elements_.end()) {
+            group.push_back(*known);
+            continue;
+          }
           const Eigen::Isometry3d motion = aligned(product);
           const double reached = deviation(motion, tolerance_);
-          if (reached <= tolerance_) add({motion, reached, 0});
+          if (reached <= tolerance_ && find(group, motion) == group.end()) group.push_back({motion, reached, 0});
         }
       }
     }
-  }
-  bool known(const Eigen::Isometry3d& motion) const {
-    return std::any_of(elements_.begin(), elements_.end(),
-                       [&](const Element& e) { return exact(e) && same(e.motion, motion); });
+    for (const auto& element : elements_)
+      if (!exact(element)) group.push_back(element);
+    elements_ = group;
   }
 
   /// A near symmetry beside an exact one, or beside a nearer one, is the same but for a detail, or not one at all.
@@ -463,6 +480,7 @@ class Search {
     elements_ = kept;
   }
 
+  static constexpr int round_turns = 12;
   static constexpr double golden = 2.399963229728653;  ///< rad: its multiples share no period with any polygon
 
   TriangleMesh mesh_;
