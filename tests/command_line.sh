@@ -51,7 +51,7 @@ camera='"width": 640, "height": 480, "fx": 615, "fy": 615, "cx": 319.5, "cy": 23
 echo "-- what works"
 good "version" --version
 good "help" --help
-for command in recognize dataset index evaluate captured; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
+for command in recognize dataset index evaluate captured symmetry ambiguity; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
 good "recognize a frame" recognize --models parts --jsonl lines.jsonl --pictures pictures "$frame"
 grep -q '"model_name":"bracket"' lines.jsonl || fail "the bracket was not recognized: $(cat lines.jsonl)"
 for key in scene T_final match_distance icp_fitness time_ms; do grep -q "\"$key\":" lines.jsonl || fail "no $key in the JSON line"; done
@@ -73,6 +73,12 @@ good "evaluate" evaluate --dataset small --test small --config "$root/configs/pi
 [ "$(ls evaluated/*/evaluation.json evaluated/*/evaluation_dataset.json | wc -l)" -eq 48 ] || fail "evaluation.json is missing"
 good "dataset without configuration" recognize --dataset dataset --jsonl lines.jsonl "$frame"
 good "captured set" captured "$root/scenes" --models "$root/parts" --kind instance
+
+good "symmetry" symmetry parts/link.stl --json
+grep -q '"symmetries_discrete"' out.txt || fail "the link's symmetry was not found: $(cat out.txt)"
+good "ambiguity" ambiguity parts/bracket.stl --camera "$root/scenes/bracket.camera.json" --subdivide 0 --jsonl lines.jsonl
+grep -q "bracket" out.txt || fail "ambiguity lists nothing: $(cat out.txt)"
+bad "symmetry tolerance" "must be positive" symmetry parts/link.stl --tolerance 0
 
 echo "-- bad parts"
 bad "no models" "no such file or folder" recognize --models nowhere "$frame"

@@ -15,6 +15,7 @@ struct Common {
 };
 
 // Each adds its subcommands to the app; what they do runs as their callback.
+void add_ambiguity_command(CLI::App& app, const Common& common);
 void add_dataset_commands(CLI::App& app, const Common& common);
 void add_captured_command(CLI::App& app, const Common& common);
 void add_evaluate_command(CLI::App& app, const Common& common);

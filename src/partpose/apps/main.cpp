@@ -43,6 +43,7 @@ int main(int argc, char** argv) {
       "  partpose evaluate --dataset dataset/ --test dataset/  # how often is it right on views of a dataset\n"
       "  partpose captured scenes/ --models parts/             # and on captured scenes with ground truth\n"
       "  partpose symmetry parts/flange.stl                    # the turns that map a part onto itself\n"
+      "  partpose ambiguity parts/ --camera camera.json        # views that do not tell the pose, or the part\n"
       "Exit codes: 0 done (also when nothing was recognized), 2 bad input or usage.");
 
   std::unique_ptr<ThreadLimit> limit;
@@ -53,6 +54,7 @@ int main(int argc, char** argv) {
   apps::add_evaluate_command(app, common);
   apps::add_captured_command(app, common);
   apps::add_symmetry_command(app, common);
+  apps::add_ambiguity_command(app, common);
 
   try {
     app.parse(argc, argv);

@@ -140,7 +140,7 @@ TEST(CreateDataset, HasTheLayoutOfTheReference) {
   const TempFolder folder;
   const auto dataset = create_dataset(small_config(), two_parts(folder), folder / "set");
   EXPECT_EQ(dataset.folder, folder / "set");
-  EXPECT_EQ(names_in(folder / "set"), (std::set<std::string>{"dataset.json", "descriptors", "models"}));
+  EXPECT_EQ(names_in(folder / "set"), (std::set<std::string>{"dataset.json", "descriptors", "models", "models_info.json"}));
   EXPECT_TRUE(fs::is_empty(folder / "set/descriptors"));
   EXPECT_EQ(names_in(folder / "set/models"), (std::set<std::string>{"0000", "0001"}));
   for (const std::string model : {"set/models/0000", "set/models/0001"}) {
@@ -264,7 +264,7 @@ TEST(CreateDataset, AFailureLeavesEverythingAsItWas) {
     auto after = files_below(folder / "");
     after.erase("broken.stl");
     EXPECT_EQ(after, before) << message;
-    EXPECT_EQ(names_in(folder / "set"), (std::set<std::string>{"dataset.json", "descriptors", "models"}));
+    EXPECT_EQ(names_in(folder / "set"), (std::set<std::string>{"dataset.json", "descriptors", "models", "models_info.json"}));
     for (const auto& name : names_in(folder / "")) EXPECT_FALSE(name.starts_with("set.")) << name;
     return message;
   };
