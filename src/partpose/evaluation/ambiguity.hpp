@@ -52,8 +52,8 @@ struct DepthDifference {
   double rms_sigmas = 0;  ///< over those that agree
 
   double share() const { return union_px ? static_cast<double>(differing_px) / union_px : 0; }
-  /// At most `max_share` of the pixels (or `max_px`) differ, and the others by no more than noise. Two parts of which
-  /// nothing is seen cannot be told apart.
+  /// At most `max_share` of the pixels (or `max_px`, but never more than a quarter) differ, and the others by no more
+  /// than noise. Two parts of which nothing is seen cannot be told apart.
   bool indistinguishable(const AmbiguityOptions& options) const;
 };
 
