@@ -220,7 +220,8 @@ class Search {
   }
 
   Eigen::Isometry3d aligned(const Eigen::Isometry3d& motion) const {
-    return align_to_surface(align_samples_, surface_, motion, tolerance_, Eigen::Vector3d::Zero());
+    // A detail just within the tolerance must not pull, either.
+    return align_to_surface(align_samples_, surface_, motion, 0.2 * tolerance_, Eigen::Vector3d::Zero());
   }
 
   double displacement(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
@@ -244,15 +245,13 @@ class Search {
     if (angle_between(axis, axes) > radians(0.5)) axes.push_back(axis);
   }
 
-  /// The identity and those that are there already are left out; of two for one the more exact stays.
+  /// The identity and those that are there already are left out: what was aligned comes before what follows from an
+  /// axis.
   void add(const Element& element) {
     if (std::isinf(element.deviation) || same(element.motion, Eigen::Isometry3d::Identity())) return;
-    for (auto& other : elements_) {
-      if (!same(element.motion, other.motion)) continue;
-      if (element.deviation < other.deviation) other = element;
-      return;
-    }
-    elements_.push_back(element);
+    if (std::none_of(elements_.begin(), elements_.end(),
+                     [&](const Element& other) { return same(element.motion, other.motion); }))
+      elements_.push_back(element);
   }
 
   /// The largest deviation of some turns about an axis that share no period; infinite when one is not even near.
