@@ -51,7 +51,7 @@ camera='"width": 640, "height": 480, "fx": 615, "fy": 615, "cx": 319.5, "cy": 23
 echo "-- what works"
 good "version" --version
 good "help" --help
-for command in recognize dataset index evaluate captured scenes; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
+for command in recognize dataset index evaluate captured scenes experiment sensor symmetry ambiguity; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
 good "recognize a frame" recognize --models parts --jsonl lines.jsonl --pictures pictures "$frame"
 grep -q '"model_name":"bracket"' lines.jsonl || fail "the bracket was not recognized: $(cat lines.jsonl)"
 for key in scene T_final match_distance icp_fitness time_ms; do grep -q "\"$key\":" lines.jsonl || fail "no $key in the JSON line"; done
@@ -92,6 +92,11 @@ cp -r "$golden" toy && chmod -R u+w toy
 sed -i 's/"diameter"/"size"/' toy/models_eval/models_info.json && bad "models_info.json without a diameter" 'models_info.json: key "1.diameter" is missing' bop score toy "$golden/$results" --image-width 640
 cp "$golden/models_eval/models_info.json" toy/models_eval/ && rm toy/models_eval/obj_000003.ply && bad "no model" "obj_000003.ply: no such file" bop score toy "$golden/$results" --image-width 640
 bad "no BOP command" "subcommand" bop
+good "symmetry" symmetry parts/link.stl --json
+grep -q '"symmetries_discrete"' out.txt || fail "the link's symmetry was not found: $(cat out.txt)"
+good "ambiguity" ambiguity parts/bracket.stl --camera "$root/scenes/bracket.camera.json" --subdivide 0 --jsonl lines.jsonl
+grep -q "bracket" out.txt || fail "ambiguity lists nothing: $(cat out.txt)"
+bad "symmetry tolerance" "must be positive" symmetry parts/link.stl --tolerance 0
 
 echo "-- bad parts"
 bad "no models" "no such file or folder" recognize --models nowhere "$frame"

@@ -140,7 +140,8 @@ TEST(CreateDataset, HasTheLayoutOfTheReference) {
   const TempFolder folder;
   const auto dataset = create_dataset(small_config(), two_parts(folder), folder / "set");
   EXPECT_EQ(dataset.folder, folder / "set");
-  EXPECT_EQ(names_in(folder / "set"), (std::set<std::string>{"dataset.json", "descriptors", "models"}));
+  EXPECT_EQ(names_in(folder / "set"),
+            (std::set<std::string>{"dataset.json", "descriptors", "models", "models_info.json"}));
   EXPECT_TRUE(fs::is_empty(folder / "set/descriptors"));
   EXPECT_EQ(names_in(folder / "set/models"), (std::set<std::string>{"0000", "0001"}));
   for (const std::string model : {"set/models/0000", "set/models/0001"}) {
@@ -215,7 +216,7 @@ TEST(CreateDataset, SameBytesForAnyNumberOfThreadsAndOtherNoiseInEachView) {
     return files_below(folder / name);
   };
   const auto one = create(1, "one"), two = create(2, "two");
-  EXPECT_EQ(one.size(), 1 + 3 * 13);
+  EXPECT_EQ(one.size(), 2 + 3 * 13);
   EXPECT_EQ(one, two);
   std::set<std::string> contents;
   for (const auto& [name, bytes] : one)
@@ -229,6 +230,10 @@ TEST(CreateDataset, TellsItsProgress) {
   create_dataset(small_config(), two_parts(folder), folder / "set",
                  [&](std::string_view what, std::size_t done, std::size_t total) {
                    EXPECT_FALSE(what.empty());
+                   if (what == "finding symmetries") {
+                     EXPECT_EQ(total, 2);
+                     return;
+                   }
                    EXPECT_EQ(total, 24);
                    steps.push_back(done);
                  });
@@ -264,7 +269,8 @@ TEST(CreateDataset, AFailureLeavesEverythingAsItWas) {
     auto after = files_below(folder / "");
     after.erase("broken.stl");
     EXPECT_EQ(after, before) << message;
-    EXPECT_EQ(names_in(folder / "set"), (std::set<std::string>{"dataset.json", "descriptors", "models"}));
+    EXPECT_EQ(names_in(folder / "set"),
+              (std::set<std::string>{"dataset.json", "descriptors", "models", "models_info.json"}));
     for (const auto& name : names_in(folder / "")) EXPECT_FALSE(name.starts_with("set.")) << name;
     return message;
   };
