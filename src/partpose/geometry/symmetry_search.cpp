@@ -220,8 +220,7 @@ class Search {
   }
 
   Eigen::Isometry3d aligned(const Eigen::Isometry3d& motion) const {
-    // A detail just within the tolerance must not pull, either.
-    return align_to_surface(align_samples_, surface_, motion, 0.2 * tolerance_, Eigen::Vector3d::Zero());
+    return align_to_surface(align_samples_, surface_, motion, tolerance_, Eigen::Vector3d::Zero());
   }
 
   double displacement(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
