@@ -38,5 +38,7 @@
 #include "partpose/registration/coarse_alignment.hpp"
 #include "partpose/registration/icp.hpp"
 #include "partpose/registration/projective_refinement.hpp"
+#include "partpose/report/output_folder.hpp"
+#include "partpose/report/report.hpp"
 #include "partpose/verification/greedy_verification.hpp"
 #include "partpose/verification/render_compare.hpp"

@@ -42,6 +42,7 @@ int main(int argc, char** argv) {
       "  partpose recognize --dataset dataset/ --config configs/pipeline_capture.json frame.pcd\n"
       "  partpose evaluate --dataset dataset/ --test dataset/  # how often is it right on views of a dataset\n"
       "  partpose captured scenes/ --models parts/             # and on captured scenes with ground truth\n"
+      "  partpose report iterations/                           # a page to look at what --output wrote\n"
       "Exit codes: 0 done (also when nothing was recognized), 2 bad input or usage.");
 
   std::unique_ptr<ThreadLimit> limit;
@@ -51,6 +52,7 @@ int main(int argc, char** argv) {
   apps::add_dataset_commands(app, common);
   apps::add_evaluate_command(app, common);
   apps::add_captured_command(app, common);
+  apps::add_report_command(app, common);
 
   try {
     app.parse(argc, argv);
