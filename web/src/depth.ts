@@ -50,6 +50,26 @@ export function rasterize(mesh: Mesh, pose: Rows, camera: Depth): Rendered {
   return { z, shade };
 }
 
+/** Each pixel the mean of those around it that are no further than 10 mm off: noise would hide the relief. */
+function smoothed(depth: Depth): Depth {
+  const { width, height, z } = depth;
+  const out = new Float32Array(z.length);
+  for (let v = 0; v < height; ++v) {
+    for (let u = 0; u < width; ++u) {
+      const i = v * width + u;
+      if (z[i] === 0) continue;
+      let [sum, count] = [0, 0];
+      for (let dv = v > 0 ? -1 : 0; dv <= (v < height - 1 ? 1 : 0); ++dv)
+        for (let du = u > 0 ? -1 : 0; du <= (u < width - 1 ? 1 : 0); ++du) {
+          const near = z[i + dv * width + du];
+          if (near > 0 && Math.abs(near - z[i]) < 10) [sum, count] = [sum + near, count + 1];
+        }
+      out[i] = sum / count;
+    }
+  }
+  return { ...depth, z: out };
+}
+
 /** How much the measured surface looks at the camera, 0 to 1, from differences of neighbours no further than 20 mm apart. */
 function relief(depth: Depth, i: number, u: number): number {
   const { z, width, height } = depth;
@@ -76,6 +96,7 @@ const gap = 5; // mm
  */
 export function paint(canvas: HTMLCanvasElement, depth: Depth, part: Rendered | null, truth: Rendered | null): void {
   const { width, height, z } = depth;
+  const smooth = smoothed(smoothed(depth));
   canvas.width = width;
   canvas.height = height;
   const context = canvas.getContext('2d');
@@ -94,7 +115,7 @@ export function paint(canvas: HTMLCanvasElement, depth: Depth, part: Rendered | 
   for (let v = 0; v < height; ++v) {
     for (let u = 0; u < width; ++u) {
       const i = v * width + u;
-      const grey = z[i] > 0 ? 40 + 190 * relief(depth, i, u) : 0;
+      const grey = z[i] > 0 ? 40 + 190 * relief(smooth, i, u) : 0;
       if (truth && edge(truth, i, u)) put(i, 60, 210, 110);
       else if (part && edge(part, i, u)) put(i, 255, 214, 120);
       else if (part && part.z[i] > 0) {

@@ -82,7 +82,7 @@ function byDistance(points: Float32Array, dark: boolean): Float32Array {
   const [near, far] = [z[Math.floor(z.length * 0.02)], z[Math.floor(z.length * 0.98)]];
   for (let i = 0; i < points.length; i += 3) {
     // The light end does not show on a light ground.
-    const share = Math.max(0, Math.min(1, (points[i + 2] - near) / (far - near || 1))) * (dark ? 1 : 0.8);
+    const share = Math.max(0, Math.min(1, (points[i + 2] - near) / (far - near || 1))) * (dark ? 1 : 0.66);
     const at = (dark ? 1 - share : share) * (ramp.length - 1);
     const below = Math.min(ramp.length - 2, Math.floor(at));
     for (let c = 0; c < 3; ++c)
@@ -217,6 +217,11 @@ export class FramePage {
             h('dl', { class: 'facts' }, fact('scene', header.scene || 'not saved'), fact('folder', header.folder || 'not kept'))),
           h('details', {}, h('summary', {}, 'Configuration'), h('pre', {}, config || 'not saved (debug.save_used_pipeline_config_json)')))));
     this.buildDepth();
+    let width = 0;
+    new ResizeObserver(() => {
+      if (parts.depth.clientWidth !== width && width > 0) this.drawDepth();
+      width = parts.depth.clientWidth;
+    }).observe(parts.depth);
     this.aim();
     this.buildTools();
     this.refresh();
@@ -401,6 +406,8 @@ export class FramePage {
     const shown = choice.zoomDepth ? this.region : { u: 0, v: 0, width: depth.width, height: depth.height };
     this.depthCanvas.width = shown.width;
     this.depthCanvas.height = shown.height;
+    const scale = Math.min(this.parts.depth.clientWidth / shown.width, 270 / shown.height);
+    this.depthCanvas.style.width = `${Math.round(scale * shown.width)}px`;
     this.depthCanvas.getContext('2d')?.drawImage(whole, -shown.u, -shown.v);
   }
 
@@ -450,7 +457,7 @@ export class FramePage {
       }
       const candidate = l.header.candidates[this.selected];
       if (candidate)
-        words = `${stage === 'coarse' ? 'coarse alignment of' : stage === 'fine' ? 'refined' : this.selected === l.header.accepted ? 'accepted:' : 'fallen:'} candidate ${candidate.id}, ${candidate.model_name}`;
+        words = `${stage === 'coarse' ? 'coarse alignment of' : stage === 'fine' ? 'refined' : this.selected === l.header.accepted ? 'accepted:' : 'not accepted:'} candidate ${candidate.id}, ${candidate.model_name}`;
       else if (stage === 'verdict') words = this.row.result ? `result: ${this.row.result}` : 'nothing recognized';
       if (shown && !shown.mesh && !shown.cloud) missing = 'The part\u2019s mesh was not saved.';
       if (!shown && stage !== 'verdict') missing = l.header.has_extras ? 'There were no candidates.' : 'The candidates were not saved (debug.save_extras_json).';
@@ -468,7 +475,7 @@ export class FramePage {
     if (choice.truth && stageHasTruth && truthMesh && l.header.truth_pose)
       solid.push({ mesh: truthMesh, pose: l.header.truth_pose, colour: dark ? '#3cd26e' : '#15803d', style: 'edges' });
     view.background(dark ? '#111418' : '#f1f3f5');
-    view.showPoints(merged(clouds), size * 0.9 * choice.pointScale);
+    view.showPoints(merged(clouds), size * 1.35 * choice.pointScale);
     const lines = choice.normals && kept?.normals && stage !== 'input' && stage !== 'preprocessed';
     view.showNormals(kept?.points ?? new Float32Array(), lines ? kept.normals : null, 4 * size);
     view.showParts(solid);

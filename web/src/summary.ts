@@ -73,7 +73,7 @@ function table(title: string, tip: string, lines: { name: string; rows: FrameRow
   const head = known
     ? [['frames', 'Scenes of this line.'], ['correct', verdictTip.correct], ['wrong', verdictTip.wrong], ['none', verdictTip.none],
        ['pose right', `Within ${report.limits.deg}\u00b0 and ${report.limits.mm} mm, of the frames that show a part.`]]
-    : [['frames', 'Scenes of this line.'], ['recognized', verdictTip.found]];
+    : [['frames', 'Scenes of this line.']];
   const cell = (value: number, of: number, filter: Filter, colour: string) =>
     h('td', { class: `number clickable ${value ? colour : ''}`, tip: `${value} of ${of}. Click: list them.`, onclick: go(filter) },
       percent(value, of), h('small', {}, ` ${value}`));
@@ -87,7 +87,7 @@ function table(title: string, tip: string, lines: { name: string; rows: FrameRow
            cell(c.wrong, c.known, { ...filter, verdict: 'wrong' }, 'bad'),
            cell(c.none, c.known, { ...filter, verdict: 'none' }, 'poor'),
            cell(c.poseRight, c.shown, { ...filter, verdict: 'pose_right' }, 'good')]
-        : cell(c.found, c.frames, { ...filter, verdict: 'found' }, 'good'),
+        : '',
       h('td', { class: 'number' }, c.times.length ? number(quantile(c.times, 0.5)) : '\u2013'),
       h('td', { class: 'number' }, c.times.length ? number(quantile(c.times, 0.95)) : '\u2013'));
   });
@@ -170,14 +170,14 @@ export function summaryPage(report: Report, filter: Filter, again: () => void): 
         h('option', { value: '*' }, `all ${report.groups.length} runs`),
         report.groups.map((name) => h('option', { value: name, selected: name === filter.group }, name || '(without a name)')))));
   if (report.pair) {
-    const limit = (key: 'deg' | 'mm', unit: string) =>
-      h('label', { tip: 'A pose counts as right below both limits. Changing them changes all figures of this page.' }, `pose right below `,
+    const limit = (key: 'deg' | 'mm', before: string, unit: string) =>
+      h('label', { tip: 'A pose counts as right below both limits. Changing them changes all figures of this page.' }, before,
         h('input', { type: 'number', min: 0, step: 'any', value: report.limits[key], onchange: (e: Event) => {
           const value = Number((e.target as HTMLInputElement).value);
           if (value >= 0) report.limits[key] = value;
           again();
         } }), ` ${unit}`);
-    controls.append(limit('deg', '\u00b0'), limit('mm', 'mm'));
+    controls.append(h('span', {}, limit('deg', 'A pose is right below ', '\u00b0'), limit('mm', ' and ', 'mm')));
     if (report.pairs.length > 1)
       controls.append(h('label', { tip: 'Which of the evaluation\u2019s errors the poses are judged by.' }, 'errors ',
         h('select', { onchange: (e: Event) => {

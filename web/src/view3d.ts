@@ -41,8 +41,9 @@ export class View3d {
   private readonly solids = new WeakMap<Mesh, BufferGeometry>();
   private readonly edges = new WeakMap<Mesh, BufferGeometry>();
   private readonly centre = new Vector3(0, 0, 600);
-  private radius = 100;
+  private aimed: Float32Array = new Float32Array([-100, -100, 500, 100, 100, 700]);
   private pending = false;
+  private untouched = true; // nobody has turned the view since it was aimed
 
   constructor() {
     this.canvas.tabIndex = 0;
@@ -57,14 +58,16 @@ export class View3d {
     this.available = true;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     const light = new DirectionalLight(0xffffff, 1.6);
-    light.position.set(-0.4, 0.7, 1);
-    this.camera.add(light);
-    this.scene.add(new HemisphereLight(0xffffff, 0x8890a0, 1.5), this.camera, this.points, this.normals, this.parts);
+    light.position.set(-40, 70, 60);
+    light.target.position.set(0, 0, -100);
+    this.camera.add(light, light.target);  // it comes over the left shoulder, wherever one stands
+    this.scene.add(new HemisphereLight(0xffffff, 0xb0b8c4, 1.3), this.camera, this.points, this.normals, this.parts);
     this.points.frustumCulled = false;
     this.normals.frustumCulled = false;
     this.camera.up.set(0, -1, 0); // the camera's y axis points down
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener('change', () => this.invalidate());
+    this.controls.addEventListener('start', () => (this.untouched = false));
     new ResizeObserver(() => this.resize()).observe(this.canvas);
   }
 
@@ -78,26 +81,36 @@ export class View3d {
       hi[i % 3] = Math.max(hi[i % 3], points[i]);
     }
     this.centre.set((lo[0] + hi[0]) / 2, (lo[1] + hi[1]) / 2, (lo[2] + hi[2]) / 2);
-    this.radius = Math.max(1, Math.hypot(hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]) / 2);
+    this.aimed = points;
     this.lookAsCamera();
   }
 
   /** From the sensor's side, so near that what is looked at fills the view. */
-  lookAsCamera(turned = 0): void {
-    const half = Math.min(this.camera.fov, (this.camera.fov * this.camera.aspect)) * (Math.PI / 360);
-    const distance = (1.1 * this.radius) / Math.sin(half);
-    const back = this.centre.clone().normalize().multiplyScalar(-distance);
-    if (turned) back.applyAxisAngle(new Vector3(0, 1, 0), turned);
-    this.camera.position.copy(this.centre).add(back);
+  lookAsCamera(): void {
+    const forward = this.centre.clone().normalize();
+    const right = new Vector3().crossVectors(forward, this.camera.up).normalize();
+    const up = new Vector3().crossVectors(right, forward);
+    const vertical = Math.tan((this.camera.fov * Math.PI) / 360) * 0.84;
+    const horizontal = vertical * this.camera.aspect;
+    const offset = new Vector3();
+    let distance = 1;
+    for (let i = 0; i < this.aimed.length; i += 3) {
+      offset.fromArray(this.aimed, i).sub(this.centre);
+      const needed = Math.max(Math.abs(offset.dot(up)) / vertical, Math.abs(offset.dot(right)) / horizontal);
+      distance = Math.max(distance, needed - offset.dot(forward));
+    }
+    this.camera.position.copy(this.centre).addScaledVector(forward, -distance);
     this.camera.near = Math.max(1, distance / 200);
     this.camera.far = distance * 40;
     this.camera.updateProjectionMatrix();
     this.controls?.target.copy(this.centre);
     this.controls?.update();
+    this.untouched = true;
     this.invalidate();
   }
 
   turn(aroundUp: number, aroundRight: number): void {
+    this.untouched = false;
     const offset = this.camera.position.clone().sub(this.centre);
     offset.applyAxisAngle(this.camera.up, aroundUp);
     const right = new Vector3().crossVectors(this.camera.up, offset).normalize();
@@ -109,6 +122,7 @@ export class View3d {
   }
 
   zoom(factor: number): void {
+    this.untouched = false;
     this.camera.position.sub(this.centre).multiplyScalar(factor).add(this.centre);
     this.controls?.update();
     this.invalidate();
@@ -202,6 +216,7 @@ export class View3d {
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
+    if (this.untouched) this.lookAsCamera();
     this.render();
   }
 

@@ -11,7 +11,7 @@ export function number(value: number | undefined | null): string {
   if (size >= 100) return value.toFixed(0);
   if (size >= 10) return value.toFixed(1);
   if (size >= 0.01) return value.toFixed(2);
-  return value.toPrecision(2);
+  return String(Number(value.toPrecision(2)));
 }
 
 export const percent = (count: number, of: number) => (of ? `${((100 * count) / of).toFixed(1)} %` : '\u2013');
