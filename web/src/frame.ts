@@ -7,7 +7,7 @@ import { h } from './dom';
 import { decodeCloud, decodeDepth, decodeMesh, unproject, type Cloud, type Depth, type Mesh } from './packet';
 import { inverse, product, rotationError, transform, translationError } from './pose';
 import { sorted } from './list';
-import { addressOf, filtered, type Filter, type Report } from './state';
+import { addressOf, filtered, poseVerdict, type Filter, type Report } from './state';
 import { View3d, type Coloured, type Part } from './view3d';
 import { noneOfThem, number, stepTip, tipOf, verdictTip, verdictWord, why } from './words';
 
@@ -188,6 +188,8 @@ export class FramePage {
         link(-1, '\u2190', 'Previous frame of the list (p)'),
         h('h1', {}, row.name),
         h('span', { class: `badge ${row.verdict}`, tip: verdictTip[row.verdict] }, verdictWord[row.verdict]),
+        poseVerdict(row, this.report) === 'off' &&
+          h('span', { class: 'badge none', tip: 'Beyond the limits that the summary page sets.' }, 'pose off'),
         row.group && h('span', { class: 'quiet' }, row.group),
         h('span', { class: 'space' }),
         h('span', { class: 'quiet' }, `${at + 1} of ${this.rows.length}`),
@@ -505,8 +507,9 @@ export class FramePage {
   }
 
   private writeWhy(): void {
-    const [first, ...rest] = why(this.row, this.header, this.report.limits, this.report.pair);
-    this.parts.why.className = `why ${this.row.verdict}`;
+    const { limits, pair, pairs } = this.report;
+    const [first, ...rest] = why(this.row, this.header, limits, pair, pairs);
+    this.parts.why.className = `why ${poseVerdict(this.row, this.report) === 'off' ? 'off' : this.row.verdict}`;
     this.parts.why.replaceChildren(h('p', { class: 'first' }, first), ...rest.map((words) => h('p', {}, words)));
   }
 

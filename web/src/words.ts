@@ -127,25 +127,35 @@ function errorsOf(candidate: Candidate, truth: number[]): { deg: number; mm: num
 }
 
 /** Why the verdict is what it is: sentences, the first one the verdict itself. */
-export function why(row: FrameRow, header: FrameHeader, limits: Limits, pair: ErrorPair | undefined): string[] {
+export function why(row: FrameRow, header: FrameHeader, limits: Limits, pair: ErrorPair | undefined, pairs: ErrorPair[]): string[] {
   const out: string[] = [];
   const { candidates } = header;
   const accepted = candidates[header.accepted];
   const errors = pair ? poseErrors(row, pair) : null;
+  const right = errors !== null && errors.deg < limits.deg && errors.mm < limits.mm;
+  // Another measure of the evaluation, like the one that knows of symmetry, may say that all is well.
+  const otherwise = right || !errors ? undefined : pairs.find((other) => {
+    const e = poseErrors(row, other);
+    return e !== null && e.deg < limits.deg && e.mm < limits.mm;
+  });
   const off = errors ? `${number(errors.deg)}\u00b0 and ${number(errors.mm)} mm` : '';
   switch (row.verdict) {
     case 'correct':
       if (row.truth === '') out.push('Correct: none of the parts was shown, and none was recognized.');
       else if (!errors) out.push(`Correct: this is ${row.result}.`);
-      else if (errors.deg < limits.deg && errors.mm < limits.mm)
+      else if (right)
         out.push(`Correct: this is ${row.result}, and its pose is ${off} off the truth.`);
       else
         out.push(
           `The part is right, ${row.result}, but its pose is ${off} off the truth, beyond ${limits.deg}\u00b0 or ${limits.mm} mm.` +
-            (errors.deg > 60 && errors.mm < limits.mm
+            (!otherwise && errors.deg > 60 && errors.mm < limits.mm
               ? ' A large turn at nearly the right place: the part may look alike from there, or be symmetric.'
               : ''),
         );
+      if (otherwise) {
+        const e = poseErrors(row, otherwise)!;
+        out.push(`Judged by the errors \u201c${otherwise.name}\u201d the pose is right: ${number(e.deg)}\u00b0 and ${number(e.mm)} mm off.`);
+      }
       break;
     case 'wrong':
       out.push(`Wrong: ${partWord(row.truth ?? '')} was shown, ${row.result} was recognized.`);
@@ -177,7 +187,7 @@ export function why(row: FrameRow, header: FrameHeader, limits: Limits, pair: Er
   }
   // Where the truth was lost.
   const failed = row.verdict === 'wrong' || row.verdict === 'none' ||
-    (errors !== null && !(errors.deg < limits.deg && errors.mm < limits.mm));
+    (errors !== null && !right && !otherwise);
   if (failed && row.truth && candidates.length > 0) {
     const own = candidates.filter((c) => c.model_name === row.truth);
     if (own.length === 0) {
