@@ -39,7 +39,7 @@ export function installTips(): void {
   const bubble = h('div', { class: 'tip', role: 'tooltip', hidden: true });
   document.body.append(bubble);
   const show = (target: EventTarget | null) => {
-    const owner = target instanceof Element ? target.closest('[tip]') : null;
+    const owner = target instanceof Element && target.isConnected ? target.closest('[tip]') : null;
     bubble.hidden = owner === null;
     if (!owner) return;
     bubble.textContent = owner.getAttribute('tip');
@@ -48,8 +48,19 @@ export function installTips(): void {
     bubble.style.left = `${Math.max(6, Math.min(at.left + at.width / 2 - size.width / 2, innerWidth - size.width - 6))}px`;
     bubble.style.top = `${at.bottom + 6 + size.height < innerHeight ? at.bottom + 6 : Math.max(6, at.top - size.height - 6)}px`;
   };
-  document.addEventListener('pointerover', (event) => show(event.target));
-  document.addEventListener('focusin', (event) => show(event.target));
+  let timer = 0;
+  document.addEventListener('pointerover', (event) => {
+    clearTimeout(timer);
+    show(null);
+    timer = window.setTimeout(() => show(event.target), 350);
+  });
+  document.addEventListener('pointerdown', () => {
+    clearTimeout(timer);
+    show(null);
+  });
+  document.addEventListener('focusin', (event) => {
+    if ((event.target as Element).matches(':focus-visible')) show(event.target);
+  });
   document.addEventListener('focusout', () => show(null));
   document.addEventListener('scroll', () => show(null), true);
 }

@@ -123,7 +123,9 @@ function spacing(points: Float32Array): number {
 }
 
 export class FramePage {
-  readonly element = h('main', { class: 'frame' }, h('p', { class: 'loading' }, 'Unpacking the frame\u2026'));
+  readonly element = h('main', { class: 'frame' });
+  /** Resolves when the page can be shown; it is not built before it is, as the 3-D view is one for all pages. */
+  readonly ready: Promise<void>;
   private loaded?: Loaded;
   private selected = -1; // index into candidates
   private readonly rows: FrameRow[];
@@ -148,13 +150,17 @@ export class FramePage {
     this.row = report.index.frames[index];
     this.rows = sorted(filtered(report, filter), report);
     if (!this.rows.includes(this.row)) this.rows = report.index.frames;
-    load(index).then(
-      (loaded) => {
-        this.loaded = loaded;
-        this.build();
-      },
+    this.ready = load(index).then(
+      (loaded) => void (this.loaded = loaded),
       (error: unknown) => this.element.replaceChildren(h('p', { class: 'loading' }, `This frame cannot be shown: ${String(error)}`)),
     );
+  }
+
+  /** To be called when `element` is in the document. */
+  start(): void {
+    if (!this.loaded) return;
+    this.build();
+    this.element.dataset.frame = String(this.row.index);
   }
 
   get header(): FrameHeader {

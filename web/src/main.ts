@@ -67,8 +67,13 @@ async function start(): Promise<void> {
       h('a', { href: lastList, class: place.page === 'frames' ? 'here' : '', tip: 'The list of frames (f)' }, `Frames (${index.frames.length})`),
       place.page === 'frame' && index.frames[place.frame] ? h('a', { href: location.hash, class: 'here' }, 'Frame') : '');
     if (place.page === 'frame' && index.frames[place.frame]) {
-      frame = new FramePage(report, place.filter, place.frame);
-      body.replaceChildren(frame.element);
+      const next = new FramePage(report, place.filter, place.frame);
+      frame = next;
+      void next.ready.then(() => {
+        if (frame !== next) return; // the person has gone on
+        body.replaceChildren(next.element);
+        next.start();
+      });
     } else if (place.page === 'frames') body.replaceChildren(listPage(report, place.filter, draw));
     else body.replaceChildren(summaryPage(report, place.filter, draw));
   };

@@ -146,7 +146,7 @@ test('summary, cell of the confusion matrix, frame, every stage, every candidate
   const index = Number(await browser.value("document.querySelector('table.frames tbody tr').dataset.frame"));
   const frame = frames[index];
   await browser.click('table.frames tbody tr');
-  await browser.until(`${ready} && document.querySelector('.stages')`);
+  await browser.until("document.querySelector('main[data-frame]')");
   assert.equal(await text('.head h1'), `${truth} view ${frame.evaluation.ground_truth_view_id}`);
   assert.match(await text('.why .first'), /^(Correct: this is bracket|The part is right, bracket)/);
 
@@ -265,9 +265,9 @@ test('keyboard and mouse', async () => {
   assert.notEqual((await drawnPixels()).sum, before.sum);
   await browser.key('a');
   await browser.key('n');
-  await browser.until(`location.hash.startsWith('#frame/2?') && ${ready} && document.querySelector('.stages')`);
+  await browser.until("document.querySelector('main[data-frame=\"2\"]')");
   await browser.key('p');
-  await browser.until(`location.hash.startsWith('#frame/1?') && ${ready} && document.querySelector('.stages')`);
+  await browser.until("document.querySelector('main[data-frame=\"1\"]')");
   await browser.key('?');
   assert.ok(await browser.value("document.querySelector('dialog').open"));
   await shot('help');

@@ -81,7 +81,8 @@ void write_frame(const fs::path& folder, const Recognition& recognition, const S
                  const Json& line, const Catalogue& catalogue) {
   const fs::path iteration = write_iteration(folder, recognition, scene, catalogue, Recognizer::catalogue_config());
   GroundTruth shown{truth.model_name, {}, -1, -1};
-  shown.camera_from_model = truth.camera_from_model.empty() ? Eigen::Isometry3d::Identity() : truth.camera_from_model[0];
+  shown.camera_from_model =
+      truth.camera_from_model.empty() ? Eigen::Isometry3d::Identity() : truth.camera_from_model[0];
   Json evaluation = to_json(evaluate(recognition.result, shown));
   if (line.contains("rotation_error_deg")) {
     evaluation["rotation_error_symmetric_deg"] = line["rotation_error_deg"];
@@ -156,8 +157,9 @@ void add_captured_command(CLI::App& app, const Common& common) {
       ->allow_extra_args(false);
   captured->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here");
   captured->add_option("--pictures", arguments->pictures, "Write a picture of each scene with the part drawn over it here");
-  captured->add_option("-o,--output", arguments->output,
-                       "Write an iteration output folder for each scene here, with evaluation.json in it (partpose report)");
+  captured->add_option(
+      "-o,--output", arguments->output,
+      "Write an iteration output folder for each scene here, with evaluation.json in it (partpose report)");
   captured->add_option("--cache", arguments->cache, "Where catalogues are kept (default: ~/.cache/partpose)");
   captured->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")->capture_default_str();
   captured->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")->capture_default_str();

@@ -80,7 +80,8 @@ void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) 
   const auto frames = run_protocol(pipeline, test, progress, on_frame);
   if (config.debug.visualize_flag && !arguments.output.empty() && !frames.empty())
     write_report(arguments.output, arguments.output / "report.html",
-                 {.stages = stages_of(config.debug.visualize), .limit_deg = arguments.limit_deg,
+                 {.stages = stages_of(config.debug.visualize),
+                  .limit_deg = arguments.limit_deg,
                   .limit_mm = arguments.limit_mm});
 
   fmt::print("{:<24} {:>6} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "part shown", "frames", "correct %", "wrong %",

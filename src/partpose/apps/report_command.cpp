@@ -37,7 +37,8 @@ void make_report(const ReportArguments& arguments, const Common& common) {
 
 void add_report_command(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<ReportArguments>();
-  auto* report = app.add_subcommand("report", "Make one HTML page of an output folder: every frame, every step, in 3-D");
+  auto* report =
+      app.add_subcommand("report", "Make one HTML page of an output folder: every frame, every step, in 3-D");
   report->add_option("folder", arguments->folder, "What --output of recognize, evaluate or captured wrote")->required();
   report->add_option("-o,--output", arguments->output, "File to write (default: report.html in the folder)");
   report->add_option("--title", arguments->options.title, "Heading (default: the folder's name)");
@@ -48,10 +49,11 @@ void add_report_command(CLI::App& app, const Common& common) {
   report->add_option("--max-mb", arguments->most_mb, "Points and depth images are thinned until the file is smaller")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  report->footer("Example:\n  partpose evaluate --dataset dataset/ --test dataset/ --output evaluated/\n"
-                 "  partpose report evaluated/ --output report.html\n"
-                 "The page needs no network. What the folder does not hold (see the configuration's \"debug\") is shown as\n"
-                 "not saved.");
+  report->footer(
+      "Example:\n  partpose evaluate --dataset dataset/ --test dataset/ --output evaluated/\n"
+      "  partpose report evaluated/ --output report.html\n"
+      "The page needs no network. What the folder does not hold (see the configuration's \"debug\") is shown as\n"
+      "not saved.");
   report->callback([arguments, &common] { make_report(*arguments, common); });
 }
 

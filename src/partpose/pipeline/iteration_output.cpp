@@ -56,8 +56,8 @@ void write_clouds(const fs::path& folder, const Recognition& recognition, const 
   write_ply(folder / "result_full.ply", transformed(part.surface, accepted.camera_from_model));
 }
 
-/// Copies the candidates' meshes to `folder`/meshes/ unless they are there, and notes each candidate's. The content is in
-/// the name: another run's part of the same name does not replace it.
+/// Copies the candidates' meshes to `folder`/meshes/ unless they are there, and notes each candidate's. The content is
+/// in the name: another run's part of the same name does not replace it.
 void write_meshes(const fs::path& folder, const Catalogue& catalogue, std::vector<CandidateExtras>& candidates) {
   std::map<int, std::string> name_of;
   for (auto& candidate : candidates) {

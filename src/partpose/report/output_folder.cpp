@@ -41,6 +41,13 @@ const Json& member(const Json& object, const char* key) {
   return object[key];
 }
 
+/// The elements of an array; none when it is absent or no array.
+const Json& elements(const Json& object, const char* key) {
+  static const Json none = Json::array();
+  const Json& value = member(object, key);
+  return value.is_array() ? value : none;
+}
+
 /// -1 is "no value" in the reference's records.
 std::optional<double> not_negative(const Json& object, const char* key) {
   const auto value = find<double>(object, key);
@@ -66,7 +73,8 @@ SavedCandidate candidate_of(const Json& json, const fs::path& folder, const fs::
   c.model_name = text(json, "model_name");
   c.view_id = find<int>(json, "view_id").value_or(-1);
   c.camera_from_model = find<Eigen::Isometry3d>(json, "T_final").value_or(Eigen::Isometry3d::Identity());
-  c.coarse = find<Eigen::Isometry3d>(json, "T_4").value_or(Eigen::Isometry3d::Identity()).inverse() * c.camera_from_model;
+  c.coarse =
+      find<Eigen::Isometry3d>(json, "T_4").value_or(Eigen::Isometry3d::Identity()).inverse() * c.camera_from_model;
   c.centred_from_model = find<Eigen::Isometry3d>(json, "T_1");
   c.score = not_negative(json, "score");
   c.icp_fitness = not_negative(json, "icp_fitness");
@@ -147,9 +155,10 @@ class Reader {
     for (const auto& folder : iterations)
       if (!taken_.contains(folder)) add_iteration(folder);
     if (out_.frames.empty())
-      throw Error("{}: holds no iteration folder (with result.json) and no frames.jsonl; give a folder that partpose "
-                  "wrote with --output",
-                  out_.folder.string());
+      throw Error(
+          "{}: holds no iteration folder (with result.json) and no frames.jsonl; give a folder that partpose "
+          "wrote with --output",
+          out_.folder.string());
     return std::move(out_);
   }
 
@@ -173,11 +182,11 @@ class Reader {
     frame.has_extras = extras.is_object();
     if (frame.scene.empty()) frame.scene = text(extras, "scene");
     frame.reason = text(extras, "reason");
-    for (const auto& candidate : member(extras, "candidate_extras"))
+    for (const auto& candidate : elements(extras, "candidate_extras"))
       frame.candidates.push_back(candidate_of(candidate, folder, top_));
-    for (const auto& step : member(extras, "time_profiling"))
-      frame.steps.push_back({text(step, "tag"), find<double>(step, "measure_ms").value_or(0), find<int>(step, "points_in"),
-                             find<int>(step, "points_out")});
+    for (const auto& step : elements(extras, "time_profiling"))
+      frame.steps.push_back({text(step, "tag"), find<double>(step, "measure_ms").value_or(0),
+                             find<int>(step, "points_in"), find<int>(step, "points_out")});
     frame.input_unit_mm = find<double>(member(extras, "scene_extras"), "input_unit_mm").value_or(1);
     take_result(read_if_there(folder / "result.json"), frame);
     take_evaluation(read_if_there(folder / "evaluation.json"), frame);
@@ -230,8 +239,7 @@ class Reader {
       frame.name = text(json, "frame");
       frame.scene = text(json, "scene");
       const Json& truth = member(json, "truth");
-      if (truth.is_object())
-        frame.truth = SavedTruth{text(truth, "model_name"), find<Eigen::Isometry3d>(truth, "T")};
+      if (truth.is_object()) frame.truth = SavedTruth{text(truth, "model_name"), find<Eigen::Isometry3d>(truth, "T")};
       const std::string folder = text(json, "folder");
       if (!folder.empty()) {
         const fs::path iteration = fs::weakly_canonical(path.parent_path() / folder);
@@ -260,11 +268,16 @@ class Reader {
 
 const char* name_of(Verdict verdict) {
   switch (verdict) {
-    case Verdict::correct: return "correct";
-    case Verdict::wrong: return "wrong";
-    case Verdict::none: return "none";
-    case Verdict::found: return "found";
-    case Verdict::nothing: return "nothing";
+    case Verdict::correct:
+      return "correct";
+    case Verdict::wrong:
+      return "wrong";
+    case Verdict::none:
+      return "none";
+    case Verdict::found:
+      return "found";
+    case Verdict::nothing:
+      return "nothing";
   }
   return "";
 }

@@ -52,21 +52,22 @@ struct SavedTruth {
 /// What an output folder has saved of one frame. What was not saved is not set, or empty.
 struct SavedFrame {
   std::string name, run, protocol, descriptor;
-  std::string scene;              ///< the file that was recognized
-  std::filesystem::path folder;   ///< the iteration folder; empty: none was kept
+  std::string scene;             ///< the file that was recognized
+  std::filesystem::path folder;  ///< the iteration folder; empty: none was kept
   std::optional<SavedTruth> truth;
-  std::string model_name;         ///< the result's; empty: nothing recognized
+  std::string model_name;  ///< the result's; empty: nothing recognized
   std::optional<int> candidate_id;
   std::optional<Eigen::Isometry3d> camera_from_model;  ///< the result's
-  std::map<std::string, double> figures;  ///< every number of the evaluation, by its key
+  std::map<std::string, double> figures;               ///< every number of the evaluation, by its key
   Verdict verdict = Verdict::nothing;
-  std::string reason;             ///< why nothing was recognized
+  std::string reason;                      ///< why nothing was recognized
   std::vector<SavedCandidate> candidates;  ///< in the order of the decision
   bool has_extras = false;
   std::vector<SavedStep> steps;
   std::optional<double> time_ms;
   double input_unit_mm = 1;  ///< of scene_original.ply
-  std::filesystem::path input, preprocessed, with_normals, depth, depth_camera, result_cloud, config;  ///< existing, or empty
+  std::filesystem::path input, preprocessed, with_normals, depth, depth_camera, result_cloud,
+      config;  ///< existing, or empty
 };
 
 struct OutputFolder {

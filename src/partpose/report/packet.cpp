@@ -123,8 +123,9 @@ Json Packet::add(const PointCloud& cloud, std::size_t most_points) {
     normals[0].push_back(static_cast<char>(coordinates[0]));
     normals[1].push_back(static_cast<char>(coordinates[1]));
   }
-  Json section{{"offset", sections_.size()}, {"count", count}, {"of", finite.size()}, {"lo", numbers(all.lo)},
-               {"size", numbers(all.size)}, {"normals", finite.has_normals()}};
+  Json section{{"offset", sections_.size()}, {"count", count},
+               {"of", finite.size()},        {"lo", numbers(all.lo)},
+               {"size", numbers(all.size)},  {"normals", finite.has_normals()}};
   append_differences(sections_, cells);
   sections_ += normals[0] + normals[1];
   return section;
@@ -152,8 +153,11 @@ Json Packet::add(const DepthImage& depth, double unit_mm) {
 
 Json Packet::add(const TriangleMesh& mesh) {
   const Quantised vertices(mesh.vertices);
-  Json section{{"offset", sections_.size()}, {"vertices", mesh.vertices.size()}, {"triangles", mesh.triangles.size()},
-               {"lo", numbers(vertices.lo)}, {"size", numbers(vertices.size)}};
+  Json section{{"offset", sections_.size()},
+               {"vertices", mesh.vertices.size()},
+               {"triangles", mesh.triangles.size()},
+               {"lo", numbers(vertices.lo)},
+               {"size", numbers(vertices.size)}};
   append_differences(sections_, vertices.cells);
   std::vector<std::uint16_t> high, low;
   std::uint32_t last = 0;
@@ -205,7 +209,8 @@ TriangleMesh simplified(const TriangleMesh& mesh, std::size_t most_triangles) {
   return out;
 }
 
-ReducedDepth reduced(const DepthImage& depth, const Intrinsics& camera, int u, int v, int width, int height, int factor) {
+ReducedDepth reduced(const DepthImage& depth, const Intrinsics& camera, int u, int v, int width, int height,
+                     int factor) {
   ReducedDepth out;
   out.depth = DepthImage(std::max(width / factor, 1), std::max(height / factor, 1));
   for (int y = 0; y < out.depth.height; ++y) {
@@ -222,8 +227,12 @@ ReducedDepth reduced(const DepthImage& depth, const Intrinsics& camera, int u, i
     }
   }
   const double half = 0.5 * (factor - 1);
-  out.camera = {out.depth.width, out.depth.height, camera.fx / factor, camera.fy / factor,
-                (camera.cx - u - half) / factor, (camera.cy - v - half) / factor};
+  out.camera = {out.depth.width,
+                out.depth.height,
+                camera.fx / factor,
+                camera.fy / factor,
+                (camera.cx - u - half) / factor,
+                (camera.cy - v - half) / factor};
   return out;
 }
 

@@ -17,7 +17,8 @@ namespace partpose {
 std::string deflated(std::string_view bytes, int level = 9);
 std::string base64(std::string_view bytes);
 
-/// A JSON header and the binary sections that it refers to by offset: length of the header as 32 bits, header, sections.
+/// A JSON header and the binary sections that it refers to by offset: length of the header as 32 bits, header,
+/// sections.
 class Packet {
  public:
   Json header = Json::object();
@@ -50,6 +51,7 @@ struct ReducedDepth {
   DepthImage depth;
   Intrinsics camera;
 };
-ReducedDepth reduced(const DepthImage& depth, const Intrinsics& camera, int u, int v, int width, int height, int factor);
+ReducedDepth reduced(const DepthImage& depth, const Intrinsics& camera, int u, int v, int width, int height,
+                     int factor);
 
 }  // namespace partpose

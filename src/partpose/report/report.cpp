@@ -164,7 +164,9 @@ class ReportWriter {
   std::string packed_mesh(const fs::path& path, Json& about) {
     const TriangleMesh mesh = read_if(path, [](const fs::path& p) { return read_stl(p); });
     const TriangleMesh shown = simplified(mesh, most_mesh_triangles);
-    about = {{"file", path.filename().string()}, {"triangles", shown.triangles.size()}, {"of", mesh.triangles.size()},
+    about = {{"file", path.filename().string()},
+             {"triangles", shown.triangles.size()},
+             {"of", mesh.triangles.size()},
              {"diagonal_mm", mesh.vertices.empty() ? 0.0 : rounded(bounding_box_diagonal(mesh), 10)}};
     if (shown.triangles.size() < mesh.triangles.size()) thinned_ = true;
     Packet packet;
@@ -268,12 +270,14 @@ class ReportWriter {
     }
     h["accepted"] = -1;
     for (std::size_t i = 0; i < h["candidates"].size(); ++i)
-      if (frame.candidate_id && *frame.candidate_id >= 0 && h["candidates"][i]["id"] == *frame.candidate_id) h["accepted"] = i;
+      if (frame.candidate_id && *frame.candidate_id >= 0 && h["candidates"][i]["id"] == *frame.candidate_id)
+        h["accepted"] = i;
     if (frame.camera_from_model) h["result_pose"] = rows_of(*frame.camera_from_model);
     if (const auto it = mesh_of_part_.find(frame.model_name); it != mesh_of_part_.end()) h["result_mesh"] = it->second;
     if (frame.truth && frame.truth->camera_from_model) {
       h["truth_pose"] = rows_of(*frame.truth->camera_from_model);
-      if (const auto it = mesh_of_part_.find(frame.truth->model_name); it != mesh_of_part_.end()) h["truth_mesh"] = it->second;
+      if (const auto it = mesh_of_part_.find(frame.truth->model_name); it != mesh_of_part_.end())
+        h["truth_mesh"] = it->second;
     }
     h["steps"] = Json::array();
     for (const auto& step : frame.steps) {
@@ -327,10 +331,13 @@ class ReportWriter {
     index["limit_mm"] = options_.limit_mm;
     index["thinned"] = thinned_;
     const ReportStages& s = options_.stages;
-    index["stages"] = {{"input", s.input}, {"preprocessed", s.preprocessed}, {"normals", s.normals}, {"coarse", s.coarse},
-                       {"fine", s.fine}, {"verdict", s.verdict}, {"candidates", s.candidates}};
+    index["stages"] = {
+        {"input", s.input}, {"preprocessed", s.preprocessed}, {"normals", s.normals},      {"coarse", s.coarse},
+        {"fine", s.fine},   {"verdict", s.verdict},           {"candidates", s.candidates}};
     index["configs"] = configs_.keys();
-    index["problems"] = saved_.problems;
+    std::vector<std::string> problems = saved_.problems;  // noted by several threads
+    std::sort(problems.begin(), problems.end());
+    index["problems"] = problems;
     Shared steps;
     for (const auto& frame : saved_.frames)
       for (const auto& step : frame.steps) steps.index_of(step.tag);
@@ -338,8 +345,10 @@ class ReportWriter {
     index["frames"] = Json::array();
     for (const auto& frame : saved_.frames) {
       Json json{{"name", frame.name}, {"verdict", name_of(frame.verdict)}, {"result", frame.model_name}};
-      for (const auto& [key, value] : {std::pair{"run", &frame.run}, {"protocol", &frame.protocol},
-                                       {"descriptor", &frame.descriptor}, {"reason", &frame.reason}})
+      for (const auto& [key, value] : {std::pair{"run", &frame.run},
+                                       {"protocol", &frame.protocol},
+                                       {"descriptor", &frame.descriptor},
+                                       {"reason", &frame.reason}})
         if (!value->empty()) json[key] = *value;
       if (frame.truth) json["truth"] = frame.truth->model_name;
       set_if(json, "time_ms", frame.time_ms);
@@ -350,7 +359,8 @@ class ReportWriter {
       if (!frame.steps.empty()) {
         json["steps"] = Json::array();
         for (const auto& tag : steps.keys()) {
-          const auto it = std::find_if(frame.steps.begin(), frame.steps.end(), [&](const auto& st) { return st.tag == tag; });
+          const auto it =
+              std::find_if(frame.steps.begin(), frame.steps.end(), [&](const auto& st) { return st.tag == tag; });
           json["steps"].push_back(it == frame.steps.end() ? Json() : Json(rounded(it->ms, 1e2)));
         }
       }
