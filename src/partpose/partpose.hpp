@@ -32,6 +32,7 @@
 #include "partpose/pipeline/global_pipeline.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/pipeline/picture.hpp"
+#include "partpose/pipeline/recognition.hpp"
 #include "partpose/pipeline/recognizer.hpp"
 #include "partpose/preprocess/preprocess.hpp"
 #include "partpose/preprocess/segmentation.hpp"

@@ -185,11 +185,24 @@ def make_clouds(parts):
         "flange_noise2": (850, (0.9, -0.3, 0.7), 580, (45, -45), 0),
         "pump_body_noise3": (1400, (-1, -0.7, 0.2), 880, (120, 90), 0),
         "mount_left_noise1": (350, (-0.5, -1, 0.7), 420, (-30, 25), 0),
+        # dense enough for clusters of a hundred points and more
+        "housing_dense_noise03": (2400, (0.6, -0.5, 0.9), 600, (-30, 40), 15),
+        "bracket_dense_noise03": (2000, (1, 0.6, 0.8), 500, (-40, 10), 0),
+        "flange_dense_noise03": (2200, (0.6, 0.3, 1), 550, (20, -30), 0),
+        "pump_body_dense_noise05": (2500, (0.5, 1, 0.5), 700, (-80, 50), 40),
+        "t_plate_dense_noise03": (2000, (-0.6, -0.7, 0.8), 650, (0, 90), 0),
+        "mount_left_dense_noise03": (2000, (-1, 0.5, 0.6), 450, (10, 5), 0),
+        "mount_right_dense_noise05": (2000, (1, 0.5, 0.6), 450, (10, 5), 100),
+        "elbow_100_dense_noise05": (2200, (-0.6, 0.9, 0.8), 680, (-20, -60), 70),
+        "keyed_shaft_dense_noise03": (1800, (0.5, -0.5, 0.8), 640, (50, -60), 0),
+        "pocket_plate_dense_noise05": (2400, (0.7, 0.5, 0.9), 600, (10, 80), 0),
+        "link_dense_noise03": (2000, (0.5, -0.7, 0.8), 520, (-70, -20), 0),
+        "housing_dense_noise1": (2400, (-0.8, 0.5, 0.9), 700, (60, 0), 0),
     }
-    noises = {"mesh": 0.0, "pca": 0.0, "noise05": 0.5, "noise1": 1.0, "noise2": 2.0, "noise3": 3.0}
+    noises = {"mesh": 0.0, "pca": 0.0, "noise03": 0.3, "noise05": 0.5, "noise1": 1.0, "noise2": 2.0, "noise3": 3.0}
     clouds = {}
     for name, view in views.items():
-        part, kind = name.replace("flange_axis", "flange").rsplit("_", 1)
+        part, kind = name.replace("flange_axis", "flange").replace("_dense", "").rsplit("_", 1)
         triangles = read_stl(parts / f"{part}.stl")
         clouds[name] = view_of(triangles, name, *view, noise=noises[kind], estimate=kind != "mesh")
     clouds["sphere_cap_exact"] = sphere_cap("sphere_cap_exact")
@@ -233,7 +246,7 @@ def main():
     clouds, pairs = make_clouds(options.parts)
     options.output.mkdir(parents=True, exist_ok=True)
     for name, cloud in clouds.items():
-        assert 300 <= len(cloud) <= 1500 and np.isfinite(cloud).all(), (name, len(cloud))
+        assert 300 <= len(cloud) <= 2700 and np.isfinite(cloud).all(), (name, len(cloud))
         write_pcd(options.output / f"{name}.pcd", cloud)
     (options.output / "pairs.txt").write_text("".join(f"{a}.pcd {b}.pcd {known}\n" for a, b, known in pairs))
     print(f"{len(clouds)} clouds, {sum(map(len, clouds.values()))} points, {len(pairs)} pairs")

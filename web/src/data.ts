@@ -14,7 +14,10 @@ export interface FrameRow {
   protocol?: string;
   descriptor?: string;
   reason?: string;
-  score?: number;
+  score?: number; // of the accepted candidate
+  left_out?: boolean; // the part shown was taken out of the catalogue: nothing should be recognized
+  best_score?: number; // of the best candidate, accepted or not
+  best_is_right?: boolean; // whether that candidate names the part shown
   time_ms?: number;
   figures?: Record<string, number>; // of the evaluation, by its keys
   steps?: (number | null)[]; // ms, in the order of Index.steps
@@ -140,7 +143,9 @@ export async function loadIndex(): Promise<Index> {
   const index = JSON.parse(new TextDecoder().decode(await inflate('index'))) as Index;
   index.frames.forEach((frame, i) => {
     frame.index = i;
-    frame.group = [frame.run, frame.protocol, frame.descriptor].filter(Boolean).join(' \u00b7 ');
+    // An experiment's run has the other two in its name.
+    const more = [frame.protocol, frame.descriptor].filter((name) => name && name !== '-' && !frame.run?.includes(name));
+    frame.group = [frame.run, ...more].filter(Boolean).join(' \u00b7 ');
   });
   return index;
 }

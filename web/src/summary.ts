@@ -30,7 +30,7 @@ function count(rows: FrameRow[], report: Report): Count {
     wrong: of('wrong'),
     none: of('none'),
     found: of('found'),
-    shown: rows.filter((row) => row.truth).length,
+    shown: rows.filter((row) => row.truth && !row.left_out).length,
     poseRight: rows.filter((row) => poseVerdict(row, report) === 'right').length,
     times: rows.map((row) => row.time_ms).filter((t): t is number => t !== undefined).sort((a, b) => a - b),
   };
@@ -109,8 +109,9 @@ function confusion(rows: FrameRow[], filter: Filter): Element {
     return h('tr', {},
       h('th', { scope: 'row' }, truth || noneOfThem),
       columns.map((result) => {
-        const value = of.filter((row) => row.result === result).length;
-        const kind = result === truth ? 'correct' : result === '' ? 'none' : 'wrong';
+        const here = of.filter((row) => row.result === result);
+        const value = here.length;
+        const kind = here[0]?.verdict;
         return h('td', { tip: `${truth || noneOfThem} shown, ${label(result)} recognized: ${value} of ${of.length} frames.${value ? ' Click: list them.' : ''}` },
           value
             ? h('button', {

@@ -90,7 +90,7 @@ export const stepTip: Record<string, string> = {
 export function poseErrors(row: FrameRow, pair: ErrorPair): { deg: number; mm: number } | null {
   const deg = row.figures?.[pair.deg];
   const mm = row.figures?.[pair.mm];
-  return row.verdict === 'correct' && row.truth && deg !== undefined && mm !== undefined ? { deg, mm } : null;
+  return row.verdict === 'correct' && row.truth && !row.left_out && deg !== undefined && mm !== undefined ? { deg, mm } : null;
 }
 
 /** The keys of a rotation and a translation error that belong together. */
@@ -141,7 +141,8 @@ export function why(row: FrameRow, header: FrameHeader, limits: Limits, pair: Er
   const off = errors ? `${number(errors.deg)}\u00b0 and ${number(errors.mm)} mm` : '';
   switch (row.verdict) {
     case 'correct':
-      if (row.truth === '') out.push('Correct: none of the parts was shown, and none was recognized.');
+      if (row.left_out) out.push(`Correct: ${row.truth} was shown, which this catalogue does not have, and nothing was recognized.`);
+      else if (row.truth === '') out.push('Correct: none of the parts was shown, and none was recognized.');
       else if (!errors) out.push(`Correct: this is ${row.result}.`);
       else if (right)
         out.push(`Correct: this is ${row.result}, and its pose is ${off} off the truth.`);
@@ -188,7 +189,7 @@ export function why(row: FrameRow, header: FrameHeader, limits: Limits, pair: Er
   // Where the truth was lost.
   const failed = row.verdict === 'wrong' || row.verdict === 'none' ||
     (errors !== null && !right && !otherwise);
-  if (failed && row.truth && candidates.length > 0) {
+  if (failed && row.truth && !row.left_out && candidates.length > 0) {
     const own = candidates.filter((c) => c.model_name === row.truth);
     if (own.length === 0) {
       out.push(`Lost in matching: no view of ${row.truth} is among the ${candidates.length} candidates.`);

@@ -66,7 +66,8 @@ std::string judge(const Recognition& recognition, const CapturedScene& truth, co
   const auto symmetry = set.symmetries.find(truth.model_name);
   const auto error = symmetric_pose_error(
       recognition.result.T_final, truth.camera_from_model,
-      symmetry == set.symmetries.end() ? std::vector{Eigen::Isometry3d::Identity()} : symmetry->second, bounding_box(mesh));
+      symmetry == set.symmetries.end() ? std::vector{Eigen::Isometry3d::Identity()} : symmetry->second,
+      bounding_box(mesh));
   line["rotation_error_deg"] = error.rotation_deg;
   line["translation_error_mm"] = error.translation_mm;
   const bool pose_right = error.rotation_deg < arguments.limit_deg && error.translation_mm < arguments.limit_mm;
@@ -120,10 +121,7 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
         std::find(arguments.kinds.begin(), arguments.kinds.end(), truth.kind) == arguments.kinds.end())
       continue;
     const Scene scene = read_scene(truth.path);
-    const Recognition recognition =
-        named_after(truth.path, [&] {
-          return scene.depth ? recognizer.recognize(*scene.depth, *scene.intrinsics) : recognizer.recognize(scene.cloud);
-        });
+    const Recognition recognition = named_after(truth.path, [&] { return recognizer.recognize(scene); });
     Json line = line_of(truth.path, recognition);
     const std::string verdict =
         judge(recognition, truth, set, recognizer.catalogue(), arguments, count_of_kind[truth.kind], line);
@@ -139,8 +137,8 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
              "median ms");
   for (auto& [kind, count] : count_of_kind) {
     std::sort(count.ms.begin(), count.ms.end());
-    fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10.0f}\n", kind, count.frames, count.right, count.wrong, count.none,
-               count.pose_right, count.ms[count.ms.size() / 2]);
+    fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10.0f}\n", kind, count.frames, count.right, count.wrong,
+               count.none, count.pose_right, count.ms[count.ms.size() / 2]);
   }
   fmt::print("pose right: within {} deg and {} mm of the truth or of a pose that is equivalent by symmetry\n",
              arguments.limit_deg, arguments.limit_mm);
@@ -150,19 +148,25 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
 
 void add_captured_command(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<CapturedArguments>();
-  auto* captured = app.add_subcommand("captured", "Recognize a folder of captured scenes with ground truth and compare");
+  auto* captured =
+      app.add_subcommand("captured", "Recognize a folder of captured scenes with ground truth and compare");
   captured->add_option("set", arguments->set, "Folder with gt.json, symmetries.json and models/")->required();
   captured->add_option("-m,--models", arguments->models, "Folder of STL files, when it is not models/ in the set");
-  captured->add_option("--kind", arguments->kinds, "Only scenes of this kind (object_only, with_table, full_frame, instance)")
+  captured
+      ->add_option("--kind", arguments->kinds,
+                   "Only scenes of this kind (object_only, with_table, full_frame, instance)")
       ->allow_extra_args(false);
   captured->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here");
-  captured->add_option("--pictures", arguments->pictures, "Write a picture of each scene with the part drawn over it here");
   captured->add_option(
       "-o,--output", arguments->output,
       "Write an iteration output folder for each scene here, with evaluation.json in it (partpose report)");
+  captured->add_option("--pictures", arguments->pictures,
+                       "Write a picture of each scene with the part drawn over it here");
   captured->add_option("--cache", arguments->cache, "Where catalogues are kept (default: ~/.cache/partpose)");
-  captured->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")->capture_default_str();
-  captured->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")->capture_default_str();
+  captured->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")
+      ->capture_default_str();
+  captured->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")
+      ->capture_default_str();
   captured->footer("Example:\n  partpose captured scenes/ --models parts/ --pictures pictures/");
   captured->callback([arguments, &common] { evaluate_captured(*arguments, common); });
 }

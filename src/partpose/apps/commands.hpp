@@ -19,6 +19,7 @@ void add_dataset_commands(CLI::App& app, const Common& common);
 void add_captured_command(CLI::App& app, const Common& common);
 void add_evaluate_command(CLI::App& app, const Common& common);
 void add_report_command(CLI::App& app, const Common& common);
+void add_experiment_command(CLI::App& app, const Common& common);
 /// `failures` counts the scenes that could not be read; each was reported.
 void add_recognize_command(CLI::App& app, const Common& common, int& failures);
 

@@ -51,6 +51,7 @@ int main(int argc, char** argv) {
   apps::add_recognize_command(app, common, failures);
   apps::add_dataset_commands(app, common);
   apps::add_evaluate_command(app, common);
+  apps::add_experiment_command(app, common);
   apps::add_captured_command(app, common);
   apps::add_report_command(app, common);
 

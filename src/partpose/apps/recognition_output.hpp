@@ -6,7 +6,7 @@
 #include "partpose/io/json.hpp"
 #include "partpose/io/png.hpp"
 #include "partpose/io/scene.hpp"
-#include "partpose/pipeline/global_pipeline.hpp"
+#include "partpose/pipeline/recognition.hpp"
 
 #include <filesystem>
 #include <map>

@@ -12,6 +12,7 @@
 #include "partpose/io/scene.hpp"
 #include "partpose/pipeline/catalogue_cache.hpp"
 #include "partpose/pipeline/config_file.hpp"
+#include "partpose/pipeline/global_pipeline.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/pipeline/recognizer.hpp"
 #include "partpose/report/report.hpp"
@@ -45,12 +46,15 @@ class AnyPipeline {
       throw Error("recognize: --config goes with --dataset; --models needs no configuration");
     if (!arguments.config.empty()) {
       config_ = read_pipeline_config(arguments.config);
-      global_.emplace(load_catalogue(open_dataset(arguments.dataset), config_, progress), config_);
+      const auto notion = [](std::string_view step) { fmt::print(stderr, "{}\n", step); };
+      recognizer_ = std::make_unique<GlobalPipeline>(
+          load_catalogue(open_dataset(arguments.dataset), config_, progress), config_,
+          config_.debug.step_notion_to_cout ? notion : std::function<void(std::string_view)>{});
       return;
     }
     config_ = Recognizer::catalogue_config();
     if (!arguments.dataset.empty()) {
-      recognizer_.emplace(load_catalogue(open_dataset(arguments.dataset), config_, progress));
+      recognizer_ = std::make_unique<Recognizer>(load_catalogue(open_dataset(arguments.dataset), config_, progress));
       return;
     }
     std::vector<fs::path> paths;
@@ -58,34 +62,26 @@ class AnyPipeline {
       const auto found = model_files(path);
       paths.insert(paths.end(), found.begin(), found.end());
     }
-    recognizer_.emplace(cached_catalogue(paths, DatasetPreparationConfig{}, config_,
-                                         arguments.cache.empty() ? default_cache_folder() : arguments.cache, progress));
+    recognizer_ = std::make_unique<Recognizer>(
+        cached_catalogue(paths, DatasetPreparationConfig{}, config_,
+                         arguments.cache.empty() ? default_cache_folder() : arguments.cache, progress));
   }
 
-  Recognition recognize(const Scene& scene) const {
-    if (global_) {
-      if (scene.depth && config_.preprocessing.scale_flag)
-        throw Error("a depth image is in mm by its camera; preprocessing.scale_flag would scale it again: switch it off");
-      const auto notion = [](std::string_view step) { fmt::print(stderr, "{}\n", step); };
-      return config_.debug.step_notion_to_cout ? global_->recognize(scene.cloud, notion) : global_->recognize(scene.cloud);
-    }
-    return scene.depth ? recognizer_->recognize(*scene.depth, *scene.intrinsics) : recognizer_->recognize(scene.cloud);
-  }
+  Recognition recognize(const Scene& scene) const { return recognizer_->recognize(scene); }
 
   /// The scene as the pipeline sees it: the configuration may scale it.
   Scene in_mm(const Scene& scene) const {
     Scene out = scene;
-    if (global_ && config_.preprocessing.scale_flag) out.cloud = scaled(scene.cloud, config_.preprocessing.scale_factor);
+    if (config_.preprocessing.scale_flag) out.cloud = scaled(scene.cloud, config_.preprocessing.scale_factor);
     return out;
   }
 
-  const Catalogue& catalogue() const { return global_ ? global_->catalogue() : recognizer_->catalogue(); }
+  const Catalogue& catalogue() const { return recognizer_->catalogue(); }
   const GlobalPipelineConfig& config() const { return config_; }
 
  private:
   GlobalPipelineConfig config_;
-  std::optional<GlobalPipeline> global_;
-  std::optional<Recognizer> recognizer_;
+  std::unique_ptr<PartRecognizer> recognizer_;
 };
 
 /// Throws Error when an output would replace a scene.
@@ -142,11 +138,14 @@ int recognize_all(const RecognizeArguments& arguments, const Common& common) {
 void add_recognize_command(CLI::App& app, const Common& common, int& failures) {
   auto arguments = std::make_shared<RecognizeArguments>();
   auto* recognize = app.add_subcommand("recognize", "Say which part each scene shows, and where it is");
-  recognize->add_option("scenes", arguments->scenes,
-                        "16-bit depth PNG (with NAME.camera.json or camera.json beside it), PCD or PLY")
+  recognize
+      ->add_option("scenes", arguments->scenes,
+                   "16-bit depth PNG (with NAME.camera.json or camera.json beside it), PCD or PLY")
       ->required();
-  recognize->add_option("-m,--models", arguments->models,
-                        "STL file or folder of them, may be given more than once; the catalogue is made on first use and kept")
+  recognize
+      ->add_option(
+          "-m,--models", arguments->models,
+          "STL file or folder of them, may be given more than once; the catalogue is made on first use and kept")
       ->allow_extra_args(false);
   recognize->add_option("-d,--dataset", arguments->dataset, "Dataset folder of the parts, instead of --models");
   recognize->add_option("-c,--config", arguments->config,
@@ -156,10 +155,12 @@ void add_recognize_command(CLI::App& app, const Common& common, int& failures) {
       ->check(CLI::IsMember({"mm", "m"}))
       ->capture_default_str();
   recognize->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here (-: standard output)");
-  recognize->add_option("--pictures", arguments->pictures, "Write a picture of each scene with the part drawn over it here");
+  recognize->add_option("--pictures", arguments->pictures,
+                        "Write a picture of each scene with the part drawn over it here");
   recognize->add_option("-o,--output", arguments->output,
                         "Write an iteration output folder for each scene here (see the configuration's \"debug\")");
-  recognize->add_option("--cache", arguments->cache, "Where catalogues of --models are kept (default: ~/.cache/partpose)");
+  recognize->add_option("--cache", arguments->cache,
+                        "Where catalogues of --models are kept (default: ~/.cache/partpose)");
   recognize->footer(
       "Examples:\n"
       "  partpose recognize --models parts/ frame.png\n"

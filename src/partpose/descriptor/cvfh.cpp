@@ -2,22 +2,52 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/descriptor/cvfh.hpp"
 
-#include "partpose/core/error.hpp"
+#include "partpose/descriptor/smooth_clusters.hpp"
+#include "partpose/descriptor/vfh.hpp"
 
 namespace partpose {
 
+namespace {
+
+class Cvfh final : public GlobalDescriptor {
+ public:
+  explicit Cvfh(const CvfhOptions& options)
+      : vfh_options_{.use_normalized_bins = options.use_normalized_bins}, limits_(cluster_limits(options)) {}
+
+  int bins() const override { return vfh_bins; }
+
+  std::vector<Description> describe(const PointCloud& unsorted) const override {
+    const PointCloud cloud = sorted_by_position(unsorted);
+    if (cloud.empty()) return {};
+    const auto clusters = smooth_clusters(cloud, limits_).clusters;
+    if (clusters.empty()) {
+      auto whole = make_descriptor(vfh_options_)->describe(cloud);
+      whole[0].valid = false;
+      return whole;
+    }
+    const OrientedPoints points(cloud);
+    std::vector<Description> descriptions;
+    for (const auto& cluster : clusters)
+      descriptions.push_back({.histogram = vfh_about(cluster.centre_mm, cluster.normal, points, vfh_options_),
+                              .centroid_mm = cluster.centre_mm.cast<double>(),
+                              .support = static_cast<int>(cluster.members.size())});
+    return descriptions;
+  }
+
+ private:
+  VfhOptions vfh_options_;
+  SmoothClusterLimits limits_;
+};
+
+}  // namespace
+
 void CvfhOptions::check() const {
   check_neighbours(k_nn);
-  if (min_points < 1) throw Error("min_points {}: must be 1 or more", min_points);
-  if (!(cluster_tolerance_distance > 0))
-    throw Error("cluster_tolerance_distance {}: must be positive", cluster_tolerance_distance);
-  if (!(eps_angle_threshold_deg > 0))
-    throw Error("eps_angle_threshold_deg {}: must be positive", eps_angle_threshold_deg);
-  if (!(radius_normals > 0)) throw Error("radius_normals {}: must be positive", radius_normals);
+  cluster_limits(*this).check();
 }
 
-std::unique_ptr<GlobalDescriptor> make_descriptor(const CvfhOptions&) {
-  throw Error("global_descriptor \"cvfh\" is not in this version yet; use \"vfh\"");
+std::unique_ptr<GlobalDescriptor> make_descriptor(const CvfhOptions& options) {
+  return std::make_unique<Cvfh>(options);
 }
 
 }  // namespace partpose

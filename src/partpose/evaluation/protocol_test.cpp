@@ -63,7 +63,8 @@ TEST(GroundTruthProtocol, APartThatIsNotInTheCatalogueIsMostlyNotRecognized) {
   auto views = read_dataset_config(root / "configs/dataset_ground_truth.json");
   views.virtual_views_icosahedron.subdivide = 0;
   const GlobalPipeline pipeline(
-      load_catalogue(create_dataset(views, shipped_parts({"bracket", "link"}), folder.path() / "dataset"), config), config);
+      load_catalogue(create_dataset(views, shipped_parts({"bracket", "link"}), folder.path() / "dataset"), config),
+      config);
   const Dataset other = create_dataset(views, shipped_parts({"pump_body"}), folder.path() / "other");
   const auto summary = summarize(run_protocol(pipeline, other));
   EXPECT_EQ(summary.correct, 0);
@@ -81,7 +82,8 @@ TEST(OfflineStage, ResultsAreKeptUntilSomethingTheyDependOnChanges) {
   views.virtual_views_icosahedron.subdivide = 0;
   const Dataset dataset = create_dataset(views, shipped_parts({"bracket", "link"}), folder.path() / "dataset");
   const auto written = [&] {
-    return Written{fs::last_write_time(dataset.folder / "descriptors/vfh.pcd"), fs::last_write_time(dataset.view_path(1, 3))};
+    return Written{fs::last_write_time(dataset.folder / "descriptors/vfh.pcd"),
+                   fs::last_write_time(dataset.view_path(1, 3))};
   };
   const Catalogue first = load_catalogue(dataset, config);
   const Written original = written();
@@ -126,7 +128,7 @@ class ShippedFrames : public testing::Test {
   }
   static Recognition recognize(const fs::path& path) {
     const Scene scene = read_scene(path);
-    return scene.depth ? recognizer_->recognize(*scene.depth, *scene.intrinsics) : recognizer_->recognize(scene.cloud);
+    return recognizer_->recognize(scene);
   }
   static inline TemporaryFolder* cache_ = nullptr;
   static inline Recognizer* recognizer_ = nullptr;
@@ -164,8 +166,8 @@ TEST_F(ShippedFrames, TheSameBitsWithOneThreadAndWithTwo) {
   }
 }
 
-/// At least `least` scenes of a kind are recognized with a pose within 15 degrees and 15 mm. The limits leave room for one
-/// or two below what is reached today.
+/// At least `least` scenes of a kind are recognized with a pose within 15 degrees and 15 mm. The limits leave room for
+/// one or two below what is reached today.
 void expect_pose_right(const char* set_name, const std::string& kind, int least) {
   const char* data = std::getenv("PARTPOSE_DATA");
   if (!data || !*data || !fs::exists(fs::path(data) / set_name)) GTEST_SKIP() << "no real captures (PARTPOSE_DATA)";

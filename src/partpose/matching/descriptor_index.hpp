@@ -20,8 +20,11 @@ class DescriptorIndex {
 
   /// Throws Error when the length is not the index's.
   void add(std::span<const float> histogram);
+  int bins() const { return bins_; }
   int size() const { return static_cast<int>(values_.size() / bins_); }
-  std::span<const float> row(int index) const { return {values_.data() + static_cast<std::size_t>(index) * bins_, static_cast<std::size_t>(bins_)}; }
+  std::span<const float> row(int index) const {
+    return {values_.data() + static_cast<std::size_t>(index) * bins_, static_cast<std::size_t>(bins_)};
+  }
 
   /// The k nearest by the L1 distance, nearest first, of equal ones the earlier first; fewer when the index has fewer.
   std::vector<Match> nearest(std::span<const float> histogram, int k) const;

@@ -20,18 +20,24 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raised whenever the offline stage computes something else from the same input.
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
-/// Which view a row of the descriptor file belongs to, in the rows' order.
+/// Which view a row of the descriptor file belongs to, in the rows' order, and what it was measured on.
 struct DescriptorReference {
   int model_id = 0;
   int view_id = 0;
+  int support = 0;
+  bool valid = true;
+  std::optional<Eigen::Isometry3d> camera_from_reference;
 
   static constexpr bool all_keys_required = true;
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("model_id", self.model_id, "the part");
     visit("view_id", self.view_id, "the view");
+    visit("support", self.support, "points that it was measured on");
+    visit("valid", self.valid, "false: no cluster was large enough, and the whole view stands for one");
+    visit("camera_from_reference", self.camera_from_reference, "the descriptor's own reference frame, 4x4 [mm]");
   }
 };
 
@@ -128,7 +134,8 @@ Stored compute(const Dataset& dataset, const GlobalPipelineConfig& config, const
     const int model_id = dataset.out.models[i / view_count].id, view_id = dataset.out.views[i % view_count].id;
     for (auto& description : of_view[i].descriptions) {
       stored.histograms.push_back(std::move(description.histogram));
-      stored.references.descriptors.push_back({model_id, view_id});
+      stored.references.descriptors.push_back(
+          {model_id, view_id, description.support, description.valid, description.camera_from_reference});
     }
     stored.references.views.push_back(
         {model_id, view_id, of_view[i].num_of_points, static_cast<int>(of_view[i].cloud.size())});
@@ -191,7 +198,8 @@ Catalogue join(Dataset dataset, const GlobalPipelineConfig& config, Stored store
   catalogue.index = DescriptorIndex(static_cast<int>(stored.histograms.at(0).size()));
   for (const auto& histogram : stored.histograms) catalogue.index.add(histogram);
   for (const auto& reference : stored.references.descriptors)
-    catalogue.view_of_row.push_back(view_of_ids.at({reference.model_id, reference.view_id}));
+    catalogue.descriptions.push_back(
+        {view_of_ids.at({reference.model_id, reference.view_id}), reference.camera_from_reference});
 
   const float voxel = config.hypothesis_verification.model_representation_voxel_size;
   parallel_for(catalogue.parts.size(), [&](std::size_t p) {
@@ -236,6 +244,34 @@ Catalogue load_catalogue(Dataset dataset, const GlobalPipelineConfig& config, co
   Stored stored = compute(dataset, config, progress);
   save(stored, files, config, depends_on);
   return join(std::move(dataset), config, std::move(stored));
+}
+
+Catalogue without_part(const Catalogue& catalogue, const std::string& name) {
+  Catalogue out;
+  out.dataset = catalogue.dataset;
+  std::vector<int> part_of(catalogue.parts.size(), -1), view_of(catalogue.views.size(), -1);
+  for (std::size_t p = 0; p < catalogue.parts.size(); ++p) {
+    if (catalogue.parts[p].name == name) continue;
+    part_of[p] = static_cast<int>(out.parts.size());
+    out.parts.push_back(catalogue.parts[p]);
+  }
+  if (out.parts.size() == catalogue.parts.size()) throw Error("the catalogue has no part \"{}\"", name);
+  if (out.parts.empty()) throw Error("\"{}\" is the catalogue's only part", name);
+  for (std::size_t v = 0; v < catalogue.views.size(); ++v) {
+    if (part_of[catalogue.views[v].part] < 0) continue;
+    view_of[v] = static_cast<int>(out.views.size());
+    out.views.push_back(catalogue.views[v]);
+    out.views.back().part = part_of[catalogue.views[v].part];
+  }
+  out.index = DescriptorIndex(catalogue.index.bins());
+  for (std::size_t row = 0; row < catalogue.descriptions.size(); ++row) {
+    CatalogueDescription description = catalogue.descriptions[row];
+    description.view = view_of[description.view];
+    if (description.view < 0) continue;
+    out.descriptions.push_back(description);
+    out.index.add(catalogue.index.row(static_cast<int>(row)));
+  }
+  return out;
 }
 
 }  // namespace partpose

@@ -8,6 +8,7 @@
 #include "partpose/matching/descriptor_index.hpp"
 #include "partpose/pipeline/config.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,19 +31,28 @@ struct CatalogueView {
   int num_of_points = 0;                                 ///< of the view in the dataset
 };
 
+/// One row of the index: a descriptor of a view. A clustered descriptor has several for a view.
+struct CatalogueDescription {
+  int view = 0;                                            ///< index into Catalogue::views
+  std::optional<Eigen::Isometry3d> camera_from_reference;  ///< the descriptor's reference frame in the view, if any
+};
+
 /// Everything that the online stage needs to know of the parts, in memory.
 struct Catalogue {
   Dataset dataset;
   std::vector<CataloguePart> parts;
   std::vector<CatalogueView> views;
   DescriptorIndex index{1};
-  std::vector<int> view_of_row;  ///< which view each descriptor of the index belongs to
+  std::vector<CatalogueDescription> descriptions;  ///< one for each row of the index
 };
 
-/// The offline stage: descriptors and refinement clouds of all views, kept in the dataset's descriptors/ folder and used
-/// again while nothing that they depend on has changed: the configuration's sections concerned, the dataset, the meshes.
-/// Views of a changed mesh.stl are rendered again first.
+/// The offline stage: descriptors and refinement clouds of all views, kept in the dataset's descriptors/ folder and
+/// used again while nothing that they depend on has changed: the configuration's sections concerned, the dataset, the
+/// meshes. Views of a changed mesh.stl are rendered again first.
 Catalogue load_catalogue(Dataset dataset, const GlobalPipelineConfig& config, const Progress& progress = {});
+
+/// The same catalogue without one of its parts. Throws Error when it has no part of that name, or no other.
+Catalogue without_part(const Catalogue& catalogue, const std::string& name);
 
 /// Points and normals of a dataset's view as a scene of it would have them (`database.normals`), camera frame.
 PointCloud comparable_view(const PointCloud& view, const GlobalPipelineConfig& config);

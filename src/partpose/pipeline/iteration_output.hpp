@@ -3,7 +3,7 @@
 #pragma once
 
 #include "partpose/io/scene.hpp"
-#include "partpose/pipeline/global_pipeline.hpp"
+#include "partpose/pipeline/recognition.hpp"
 
 #include <filesystem>
 

@@ -29,7 +29,8 @@ struct Hypothesis {
 };
 
 /// The `count` of lowest cost, and besides them the best `per_part` of each part.
-std::vector<Hypothesis> best_of(std::vector<Hypothesis> all, std::size_t count, int per_part, const Catalogue& catalogue) {
+std::vector<Hypothesis> best_of(std::vector<Hypothesis> all, std::size_t count, int per_part,
+                                const Catalogue& catalogue) {
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
   std::vector<int> taken(catalogue.parts.size(), 0);
   std::vector<Hypothesis> kept;
@@ -81,12 +82,14 @@ LabelledDepth cut_out(const DepthImage& depth, const Intrinsics& camera, const S
     v0 = std::min(v0, p / depth.width), v1 = std::max(v1, p / depth.width);
   }
   const double pixels_per_mm = std::max(camera.fx, camera.fy) * static_cast<double>(segment.pixels.size()) / z_sum;
-  const int margin = 4 + static_cast<int>(std::max(0.0, largest_part_mm * pixels_per_mm - std::min(u1 - u0, v1 - v0) / 2.0));
+  const int margin =
+      4 + static_cast<int>(std::max(0.0, largest_part_mm * pixels_per_mm - std::min(u1 - u0, v1 - v0) / 2.0));
   // Coarse enough for the pixels wanted of the object, and for a bounded image where the largest part is much larger.
   constexpr double most_pixels = 250000;
   const double area = static_cast<double>(u1 - u0 + 2 * margin) * (v1 - v0 + 2 * margin);
-  const int stride = static_cast<int>(std::max({1L, std::lround(std::sqrt(segment.pixels.size() / double(wanted_pixels))),
-                                                std::lround(std::ceil(std::sqrt(area / most_pixels)))}));
+  const int stride =
+      static_cast<int>(std::max({1L, std::lround(std::sqrt(segment.pixels.size() / double(wanted_pixels))),
+                                 std::lround(std::ceil(std::sqrt(area / most_pixels)))}));
   u0 -= margin, v0 -= margin;
 
   LabelledDepth out;
@@ -106,7 +109,8 @@ LabelledDepth cut_out(const DepthImage& depth, const Intrinsics& camera, const S
       if (!(z > 0)) continue;
       out.depth.at(u, v) = z;
       out.label[static_cast<std::size_t>(v) * out.depth.width + u] =
-          is_object[static_cast<std::size_t>(full_v) * depth.width + full_u] ? PixelLabel::object : PixelLabel::background;
+          is_object[static_cast<std::size_t>(full_v) * depth.width + full_u] ? PixelLabel::object
+                                                                             : PixelLabel::background;
     }
   }
   return out;
@@ -121,7 +125,8 @@ DepthImage object_depth(const LabelledDepth& frame) {
 }
 
 void sort_by_score(std::vector<Candidate>& candidates) {
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.score > b.score; });
 }
 
 /// Those that may be right, of candidates by falling score.
@@ -176,7 +181,7 @@ struct Recognizer::Impl {
     PointCloud cloud, with_normals, refinement_scene;
     std::vector<Candidate> candidates;  ///< best score first
 
-    double best_score = 0;              ///< of the best candidate; from the decision on, at its close tolerance
+    double best_score = 0;  ///< of the best candidate; from the decision on, at its close tolerance
 
     /// By which segments are compared: how well the best candidate explains it, and, less, how large it is.
     double evidence() const {
@@ -184,7 +189,8 @@ struct Recognizer::Impl {
     }
   };
 
-  OfSegment recognize(const DepthImage& depth, const Intrinsics& camera, const Segment& segment, StageTimes& time) const;
+  OfSegment recognize(const DepthImage& depth, const Intrinsics& camera, const Segment& segment,
+                      StageTimes& time) const;
   std::vector<Hypothesis> shortlist(const PointCloud& cloud) const;
   std::vector<Hypothesis> turn(const std::vector<Hypothesis>& views, const PointCloud& scene) const;
   void compare_both_ways(std::vector<Hypothesis>& hypotheses, const PointCloud& scene, const KdTree& tree) const;
@@ -196,8 +202,8 @@ struct Recognizer::Impl {
                            const RenderCompareOptions& compare_options) const;
   /// Decides the segments that may be the frame's best object, and puts the best one first.
   void decide_among(std::vector<OfSegment>& found, const DepthImage& depth, const Intrinsics& camera) const;
-  /// Orders the candidates, given by falling score, by how closely they agree at `close_tolerance_mm`, and gives each its
-  /// verdict. Returns the best one's score at that tolerance.
+  /// Orders the candidates, given by falling score, by how closely they agree at `close_tolerance_mm`, and gives each
+  /// its verdict. Returns the best one's score at that tolerance.
   double decide(std::vector<Candidate>& candidates, const LabelledDepth& frame, float close_tolerance_mm) const;
   const TriangleMesh& mesh_of(const Candidate& candidate) const {
     return catalogue.parts[catalogue.views[candidate.view_row].part].mesh;
@@ -242,6 +248,10 @@ Recognizer::~Recognizer() = default;
 
 const Catalogue& Recognizer::catalogue() const { return impl_->catalogue; }
 
+Recognition Recognizer::recognize(const Scene& scene) const {
+  return scene.depth ? recognize(*scene.depth, *scene.intrinsics) : recognize(scene.cloud);
+}
+
 Recognition Recognizer::recognize(const PointCloud& cloud) const {
   Recognition nothing;
   nothing.result.timestamp = make_timestamp();
@@ -249,8 +259,10 @@ Recognition Recognizer::recognize(const PointCloud& cloud) const {
   const PointCloud seen = before_camera(cloud);
   const auto camera = intrinsics_of(seen);
   if (!camera || seen.size() < static_cast<std::size_t>(impl_->segmentation.min_pixels)) {
-    nothing.reason = fmt::format("{} of the scene's {} points lie before the camera (x right, y down, z forward), too few "
-                                 "or too near together to recognize anything", seen.size(), cloud.size());
+    nothing.reason = fmt::format(
+        "{} of the scene's {} points lie before the camera (x right, y down, z forward), too few "
+        "or too near together to recognize anything",
+        seen.size(), cloud.size());
     return nothing;
   }
   Recognition recognition = recognize(to_depth_image(seen, *camera), *camera);
@@ -325,7 +337,8 @@ Recognizer::Impl::OfSegment Recognizer::Impl::recognize(const DepthImage& depth,
   });
   time("pose_refinement", [&] {
     register_to(scene, tree, hypotheses);
-    std::stable_sort(hypotheses.begin(), hypotheses.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                     [](const auto& a, const auto& b) { return a.cost < b.cost; });
     hypotheses = best_of(distinct(std::move(hypotheses), catalogue), 10, 1, catalogue);
   });
   time("hypothesis_verification", [&] {
@@ -417,7 +430,7 @@ std::vector<Hypothesis> Recognizer::Impl::shortlist(const PointCloud& cloud) con
   std::vector<Hypothesis> views;
   for (const auto& description : descriptor->describe(cloud))
     for (const auto& match : catalogue.index.nearest(description.histogram, options.shortlist_views))
-      views.push_back({catalogue.view_of_row[match.row], match.distance});
+      views.push_back({catalogue.descriptions[match.row].view, match.distance});
   return views;
 }
 
@@ -427,22 +440,25 @@ std::vector<Hypothesis> Recognizer::Impl::turn(const std::vector<Hypothesis>& vi
   const double radius_mm = root_mean_square_radius(scene, centre);
   const DistanceGrid distance(scene.points, static_cast<float>(0.5 * radius_mm));
   std::vector<Hypothesis> turned(views.size() * options.rolls);
-  parallel_for(views.size(), [&](std::size_t i) {
-    const auto& view = catalogue.views[views[i].view_row];
-    const PointCloud& probes = view_probes[views[i].view_row];
-    const Eigen::Matrix3d sight_from_view = sight_frame(view.features.centroid_mm);
-    const double size_difference = std::abs(view_radius_mm[views[i].view_row] - radius_mm);
-    for (int k = 0; k < options.rolls; ++k) {
-      Hypothesis h = views[i];
-      const Eigen::AngleAxisd roll(2 * std::numbers::pi * k / options.rolls, Eigen::Vector3d::UnitZ());
-      h.scene_from_view.linear() = sight_from_scene.transpose() * roll.toRotationMatrix() * sight_from_view;
-      h.scene_from_view.translation() = centre - h.scene_from_view.linear() * view.features.centroid_mm;
-      const Eigen::Isometry3f pose = h.scene_from_view.cast<float>();
-      for (const auto& p : probes.points) h.cost += distance.at(pose * p);
-      h.cost = h.cost / static_cast<double>(std::max<std::size_t>(probes.size(), 1)) + 0.5 * size_difference;
-      turned[i * options.rolls + k] = h;
-    }
-  }, 8);
+  parallel_for(
+      views.size(),
+      [&](std::size_t i) {
+        const auto& view = catalogue.views[views[i].view_row];
+        const PointCloud& probes = view_probes[views[i].view_row];
+        const Eigen::Matrix3d sight_from_view = sight_frame(view.features.centroid_mm);
+        const double size_difference = std::abs(view_radius_mm[views[i].view_row] - radius_mm);
+        for (int k = 0; k < options.rolls; ++k) {
+          Hypothesis h = views[i];
+          const Eigen::AngleAxisd roll(2 * std::numbers::pi * k / options.rolls, Eigen::Vector3d::UnitZ());
+          h.scene_from_view.linear() = sight_from_scene.transpose() * roll.toRotationMatrix() * sight_from_view;
+          h.scene_from_view.translation() = centre - h.scene_from_view.linear() * view.features.centroid_mm;
+          const Eigen::Isometry3f pose = h.scene_from_view.cast<float>();
+          for (const auto& p : probes.points) h.cost += distance.at(pose * p);
+          h.cost = h.cost / static_cast<double>(std::max<std::size_t>(probes.size(), 1)) + 0.5 * size_difference;
+          turned[i * options.rolls + k] = h;
+        }
+      },
+      8);
   return turned;
 }
 

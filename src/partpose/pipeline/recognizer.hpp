@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "partpose/pipeline/global_pipeline.hpp"
+#include "partpose/pipeline/config.hpp"
+#include "partpose/pipeline/recognition.hpp"
 #include "partpose/preprocess/segmentation.hpp"
 
 #include <memory>
@@ -20,23 +21,25 @@ struct RecognizerOptions {
   void check() const;
 };
 
-/// The pipeline without a configuration: finds the objects in a frame, shortlists views by VFH, tries each at many turns,
-/// refines the best and decides by rendering them and comparing the depth with what was measured, in both directions.
-/// Immutable after construction and thread-safe.
-class Recognizer {
+/// The pipeline without a configuration: finds the objects in a frame, shortlists views by VFH, tries each at many
+/// turns, refines the best and decides by rendering them and comparing the depth with what was measured, in both
+/// directions. Immutable after construction and thread-safe.
+class Recognizer final : public PartRecognizer {
  public:
   /// The pipeline configuration that the Recognizer's catalogue is to be made with.
   static GlobalPipelineConfig catalogue_config();
 
   explicit Recognizer(Catalogue catalogue, RecognizerOptions options = {});
-  ~Recognizer();
+  ~Recognizer() override;
 
   /// A full depth frame, or a part of one. The frame's best object; `result` is empty when nothing is recognized.
   Recognition recognize(const DepthImage& depth, const Intrinsics& camera) const;
   /// A cloud in mm, taken by a camera at the origin that looks along z: the part alone, or with the table in it.
   Recognition recognize(const PointCloud& cloud) const;
+  /// The depth image where the scene has one, its cloud otherwise.
+  Recognition recognize(const Scene& scene) const override;
 
-  const Catalogue& catalogue() const;
+  const Catalogue& catalogue() const override;
 
  private:
   struct Impl;

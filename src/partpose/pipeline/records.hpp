@@ -29,7 +29,8 @@ struct Result {
     visit("T_final", self.T_final, "camera_from_model, 4x4 [mm]");
     visit("candidate_id", self.candidate_id, "-1: nothing recognized");
     visit("icp_converged", self.icp_converged, "whether the refinement converged");
-    visit("icp_fitness", self.icp_fitness, "mean distance of scene and candidate [mm]; of the Recognizer: root mean square, point to plane");
+    visit("icp_fitness", self.icp_fitness,
+          "mean distance of scene and candidate [mm]; of the Recognizer: root mean square, point to plane");
     visit("match_distance", self.match_distance, "L1 distance of the descriptors");
     visit("model_id", self.model_id, "the part");
     visit("model_name", self.model_name, "the part");
@@ -66,7 +67,8 @@ struct CandidateExtras {
     visit("T_4", self.T_4, "refinement, 4x4 [mm]");
     visit("T_final", self.T_final, "T_4 T_3 T_2 T_1 = camera_from_model, 4x4 [mm]");
     visit("icp_converged", self.icp_converged, "whether the refinement converged");
-    visit("icp_fitness", self.icp_fitness, "mean distance of scene and candidate [mm]; of the Recognizer: root mean square, point to plane");
+    visit("icp_fitness", self.icp_fitness,
+          "mean distance of scene and candidate [mm]; of the Recognizer: root mean square, point to plane");
     visit("id", self.id, "rank before the last sorting");
     visit("match_distance", self.match_distance, "L1 distance of the descriptors");
     visit("model_id", self.model_id, "the part");
@@ -74,7 +76,7 @@ struct CandidateExtras {
     visit("num_of_points", self.num_of_points, "of the view in the dataset");
     visit("num_of_points_refinement", self.num_of_points_refinement, "of the view in the refinement");
     visit("view_id", self.view_id, "the view");
-    visit("score", self.score, "of render-and-compare, 0 to 1; -1: not rendered");
+    visit("score", self.score, "how well model and scene explain each other, 0 to 1; -1: not looked at");
     visit("verdict", self.verdict, "\"accepted\", or why not");
     visit("mesh", self.mesh, "the part's mesh, relative to the output folder; empty: not saved");
     visit("visible_model_points", self.visible_model_points, "of the part's surface in the greedy verification");
@@ -151,8 +153,7 @@ struct Evaluation {
   static void describe(Self& self, Visit&& visit) {
     visit("ground_truth_model_id", self.ground_truth_model_id, "-1 when the scene is not of a dataset");
     visit("ground_truth_model_name", self.ground_truth_model_name, "the part that was shown; empty: none of them");
-    visit("ground_truth_transformation_matrix", self.ground_truth_transformation_matrix,
-          "camera_from_model, 4x4 [mm]");
+    visit("ground_truth_transformation_matrix", self.ground_truth_transformation_matrix, "camera_from_model, 4x4 [mm]");
     visit("ground_truth_view_id", self.ground_truth_view_id, "-1 when the scene is not of a dataset");
     visit("timestamp", self.timestamp, "names the iteration's folder");
     visit("recognized_correctly", self.recognized_correctly, "whether the result names the part shown");

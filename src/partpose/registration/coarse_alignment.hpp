@@ -20,7 +20,7 @@ struct CoarseAlignmentOptions {
   static void describe(Self& self, Visit&& visit) {
     visit("use_crh", self.use_crh, "turn the candidate about the line of sight by the Camera Roll Histogram");
     visit("use_descriptor_if_possible", self.use_descriptor_if_possible,
-          "align by the descriptor's own reference frame (\"ourcvfh\", \"good\"); VFH has none");
+          "align by the descriptor's own reference frame too (\"ourcvfh\" and \"good\" have one)");
     visit("use_correction_by_centroids", self.use_correction_by_centroids,
           "move the candidate's centroid to the scene's");
     visit("crh_peaks", self.crh_peaks, "how many of the histogram's best turns are tried for each candidate, >= 1");
@@ -37,8 +37,17 @@ struct AlignmentFeatures {
 /// The cloud needs normals.
 AlignmentFeatures alignment_features(const PointCloud& cloud);
 
-/// T3: the transformations that may bring a view onto the scene, most likely first, at least one.
+/// The reference frames of two descriptions that match: of a view's and of the scene's.
+struct ReferenceFrames {
+  Eigen::Isometry3d view_from_reference = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d scene_from_reference = Eigen::Isometry3d::Identity();
+};
+
+/// T3: the transformations that may bring a view onto the scene, at least one: those of the descriptors' reference
+/// frames, best match first, then the turns of the Camera Roll Histogram, highest peak first, as far as the options ask
+/// for them. Without any of them the translation alone.
 std::vector<Eigen::Isometry3d> coarse_alignments(const AlignmentFeatures& view, const AlignmentFeatures& scene,
+                                                 const std::vector<ReferenceFrames>& frames,
                                                  const CoarseAlignmentOptions& options);
 
 }  // namespace partpose

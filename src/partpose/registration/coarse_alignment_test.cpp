@@ -22,7 +22,7 @@ PointCloud bracket_view(Random& random, const Eigen::Vector3d& position_mm) {
 
 std::vector<Eigen::Isometry3d> align(const PointCloud& view, const PointCloud& scene,
                                      const CoarseAlignmentOptions& options = {}) {
-  return coarse_alignments(alignment_features(view), alignment_features(scene), options);
+  return coarse_alignments(alignment_features(view), alignment_features(scene), {}, options);
 }
 
 TEST(AlignmentFeatures, AreCentroidAndRollHistogram) {
@@ -92,6 +92,29 @@ TEST(CoarseAlignment, WithoutTheCentroidsItOnlyTurns) {
   for (const bool use_crh : {true, false})
     for (const auto& alignment : align(view, scene, {.use_crh = use_crh, .use_correction_by_centroids = false}))
       EXPECT_LT((alignment * centroid(view) - centroid(view)).norm(), 1e-9);
+}
+
+TEST(CoarseAlignment, FollowsTheDescriptorsReferenceFrames) {
+  Random random(7);
+  const auto view = bracket_view(random, {0, 0, 650});
+  const Eigen::Isometry3d truth = random_pose(random, {20, -10, 30});
+  const auto scene = transformed(view, truth);
+  const Eigen::Isometry3d in_view = random_pose(random, {0, 5, 640});
+  const std::vector<ReferenceFrames> frames = {{in_view, truth * in_view}, {in_view, in_view}};
+  const auto align_by = [&](const CoarseAlignmentOptions& options) {
+    return coarse_alignments(alignment_features(view), alignment_features(scene), frames, options);
+  };
+  const auto by_frames = align_by({.use_crh = false});
+  ASSERT_EQ(by_frames.size(), 2);
+  EXPECT_TRUE(by_frames[0].isApprox(truth, 1e-6));
+  EXPECT_LT((by_frames[1] * centroid(view) - centroid(scene)).norm(), 1e-9) << "corrected by the centroids";
+  const auto without_centroids = align_by({.use_crh = false, .use_correction_by_centroids = false});
+  EXPECT_TRUE(without_centroids[1].isApprox(Eigen::Isometry3d::Identity(), 1e-9));
+  const auto with_turns = align_by({});
+  EXPECT_GT(with_turns.size(), 2) << "the turns of the roll histogram as well";
+  EXPECT_TRUE(with_turns[0].isApprox(truth, 1e-6));
+  for (const auto& alignment : align_by({.use_descriptor_if_possible = false}))
+    EXPECT_FALSE(alignment.isApprox(by_frames[1], 1e-6)) << "switched off";
 }
 
 TEST(CoarseAlignment, TriesAsManyTurnsAsAskedFor) {

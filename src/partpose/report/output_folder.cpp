@@ -92,6 +92,14 @@ SavedCandidate candidate_of(const Json& json, const fs::path& folder, const fs::
   return c;
 }
 
+std::vector<SavedStep> steps_of(const Json& steps) {
+  std::vector<SavedStep> out;
+  for (const auto& step : steps)
+    out.push_back({text(step, "tag"), find<double>(step, "measure_ms").value_or(0), find<int>(step, "points_in"),
+                   find<int>(step, "points_out")});
+  return out;
+}
+
 void take_result(const Json& result, SavedFrame& frame) {
   if (!result.is_object()) return;
   frame.model_name = text(result, "model_name");
@@ -103,7 +111,7 @@ void take_result(const Json& result, SavedFrame& frame) {
 void take_evaluation(const Json& evaluation, SavedFrame& frame) {
   if (!evaluation.is_object()) return;
   if (!frame.truth && evaluation.contains("ground_truth_model_name"))
-    frame.truth = SavedTruth{text(evaluation, "ground_truth_model_name"), {}};
+    frame.truth = SavedTruth{text(evaluation, "ground_truth_model_name"), false, {}};
   if (frame.truth && !frame.truth->model_name.empty() && !frame.truth->camera_from_model)
     frame.truth->camera_from_model = find<Eigen::Isometry3d>(evaluation, "ground_truth_transformation_matrix");
   for (const auto& [key, value] : evaluation.items()) {
@@ -130,6 +138,8 @@ void judge(SavedFrame& frame) {
   const bool found = !frame.model_name.empty();
   if (!frame.truth)
     frame.verdict = found ? Verdict::found : Verdict::nothing;
+  else if (frame.truth->left_out)
+    frame.verdict = found ? Verdict::wrong : Verdict::correct;
   else if (frame.model_name == frame.truth->model_name)
     frame.verdict = Verdict::correct;
   else
@@ -184,9 +194,7 @@ class Reader {
     frame.reason = text(extras, "reason");
     for (const auto& candidate : elements(extras, "candidate_extras"))
       frame.candidates.push_back(candidate_of(candidate, folder, top_));
-    for (const auto& step : elements(extras, "time_profiling"))
-      frame.steps.push_back({text(step, "tag"), find<double>(step, "measure_ms").value_or(0),
-                             find<int>(step, "points_in"), find<int>(step, "points_out")});
+    frame.steps = steps_of(elements(extras, "time_profiling"));
     frame.input_unit_mm = find<double>(member(extras, "scene_extras"), "input_unit_mm").value_or(1);
     take_result(read_if_there(folder / "result.json"), frame);
     take_evaluation(read_if_there(folder / "evaluation.json"), frame);
@@ -239,7 +247,7 @@ class Reader {
       frame.name = text(json, "frame");
       frame.scene = text(json, "scene");
       const Json& truth = member(json, "truth");
-      if (truth.is_object()) frame.truth = SavedTruth{text(truth, "model_name"), find<Eigen::Isometry3d>(truth, "T")};
+      if (truth.is_object()) frame.truth = SavedTruth{text(truth, "model_name"), false, find<Eigen::Isometry3d>(truth, "T")};
       const std::string folder = text(json, "folder");
       if (!folder.empty()) {
         const fs::path iteration = fs::weakly_canonical(path.parent_path() / folder);
@@ -252,6 +260,10 @@ class Reader {
       }
       take_result(member(json, "result"), frame);
       take_evaluation(member(json, "evaluation"), frame);
+      if (frame.truth) frame.truth->left_out = find<bool>(json, "left_out").value_or(false);
+      frame.best_score = not_negative(json, "score");
+      frame.best_is_right = find<bool>(json, "best_is_right");
+      if (frame.steps.empty()) frame.steps = steps_of(elements(json, "stages"));
       take_times(member(json, "time_ms"), frame);
       if (frame.reason.empty()) frame.reason = text(json, "reason");
       if (frame.name.empty()) frame.name = fmt::format("line {}", number);

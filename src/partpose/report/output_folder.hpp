@@ -46,6 +46,7 @@ struct SavedStep {
 
 struct SavedTruth {
   std::string model_name;  ///< empty: none of the parts
+  bool left_out = false;   ///< the part was taken out of the catalogue: nothing should be recognized
   std::optional<Eigen::Isometry3d> camera_from_model;
 };
 
@@ -65,6 +66,8 @@ struct SavedFrame {
   bool has_extras = false;
   std::vector<SavedStep> steps;
   std::optional<double> time_ms;
+  std::optional<double> best_score;   ///< of the best candidate, accepted or not
+  std::optional<bool> best_is_right;  ///< whether that candidate names the part shown
   double input_unit_mm = 1;  ///< of scene_original.ply
   std::filesystem::path input, preprocessed, with_normals, depth, depth_camera, result_cloud,
       config;  ///< existing, or empty

@@ -350,7 +350,10 @@ class ReportWriter {
                                        {"descriptor", &frame.descriptor},
                                        {"reason", &frame.reason}})
         if (!value->empty()) json[key] = *value;
-      if (frame.truth) json["truth"] = frame.truth->model_name;
+      if (frame.truth) json["truth"] = frame.truth->left_out ? fmt::format("{} (left out)", frame.truth->model_name) : frame.truth->model_name;
+      if (frame.truth && frame.truth->left_out) json["left_out"] = true;
+      set_if(json, "best_score", frame.best_score);
+      set_if(json, "best_is_right", frame.best_is_right);
       set_if(json, "time_ms", frame.time_ms);
       if (!frame.figures.empty()) {
         json["figures"] = Json::object();

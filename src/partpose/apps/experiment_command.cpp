@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.hpp"
+#include "terminal.hpp"
+
+#include "partpose/evaluation/experiment_tables.hpp"
+#include "partpose/io/json.hpp"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <memory>
+
+namespace partpose::apps {
+
+namespace {
+
+struct ExperimentArguments {
+  std::filesystem::path spec, output;
+};
+
+void run(const ExperimentArguments& arguments, const Common& common) {
+  const auto records = run_experiment(arguments.spec, arguments.output, terminal_progress(common.quiet));
+  const auto spec = read_json<ExperimentSpec>(arguments.output / "experiment.json");
+  fmt::print("{:<60} {:>6} {:>9} {:>11} {:>11} {:>12} {:>10}\n", "run", "frames", "correct %", "incorrect %",
+             "no result %", "pose right %", "median ms");
+  for (const auto& s : summarize_runs(records, spec)) {
+    std::vector<double> times = s.times_ms;
+    std::sort(times.begin(), times.end());
+    fmt::print("{:<60} {:>6} {:>9.1f} {:>11.1f} {:>11.1f} {:>12.1f} {:>10.1f}\n", s.run, s.frames, s.percent(s.correct),
+               s.percent(s.wrong), s.percent(s.none), s.percent(s.pose_right), times[times.size() / 2]);
+  }
+  fmt::print("Tables and plots: {}\n", (arguments.output / "tables.md").string());
+}
+
+}  // namespace
+
+void add_experiment_command(CLI::App& app, const Common& common) {
+  auto arguments = std::make_shared<ExperimentArguments>();
+  auto* experiment = app.add_subcommand(
+      "experiment", "Run a grid of parts, protocols, descriptors and configurations, and write its tables");
+  experiment->add_option("spec", arguments->spec, "Experiment JSON (see experiments/ and docs/evaluation.md)")
+      ->required();
+  experiment
+      ->add_option("-o,--output", arguments->output,
+                   "Folder for frames and tables; when the experiment was stopped in it, it goes on")
+      ->required();
+  experiment->footer("Example:\n  partpose experiment experiments/ground_truth.json --output results/");
+  experiment->callback([arguments, &common] { run(*arguments, common); });
+}
+
+}  // namespace partpose::apps

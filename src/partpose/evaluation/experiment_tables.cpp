@@ -1,0 +1,348 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/evaluation/experiment_tables.hpp"
+
+#include "partpose/evaluation/plot.hpp"
+#include "partpose/io/file.hpp"
+#include "partpose/io/json.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace partpose {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A table that is written as Markdown for people and as CSV for programs.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> columns) : rows_{std::move(columns)} {}
+  void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  bool has_rows() const { return rows_.size() > 1; }
+
+  std::string markdown() const {
+    std::string out;
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      for (const auto& cell : rows_[r]) out += "| " + cell + " ";
+      out += "|\n";
+      if (r > 0) continue;
+      for (std::size_t c = 0; c < rows_[0].size(); ++c) out += c == 0 ? "|---" : "|---:";
+      out += "|\n";
+    }
+    return out;
+  }
+  std::string csv() const {
+    std::string out;
+    for (const auto& row : rows_) {
+      for (std::size_t c = 0; c < row.size(); ++c) out += (c ? "," : "") + quoted(row[c]);
+      out += "\n";
+    }
+    return out;
+  }
+
+ private:
+  static std::string quoted(const std::string& cell) {
+    if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
+    std::string out = "\"";
+    for (const char c : cell) out += c == '"' ? "\"\"" : std::string(1, c);
+    return out + "\"";
+  }
+  std::vector<std::vector<std::string>> rows_;
+};
+
+std::string number(double value) { return fmt::format("{:.2f}", value); }
+std::string number(int value) { return fmt::format("{}", value); }
+double share_percent(int part_of, int all) { return all ? 100.0 * part_of / all : 0; }
+
+/// How a run is named within its group and protocol.
+std::string short_name(const RunSummary& run) {
+  return run.descriptor == "-" ? run.configuration : run.configuration + " " + run.descriptor;
+}
+
+std::string file_name_of(const std::string& name) {
+  std::string out;
+  for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
+  return out;
+}
+
+using Runs = std::vector<const RunSummary*>;
+
+/// The runs of each group and protocol, most correct ones first, as in the reference's tables.
+std::vector<Runs> by_group_and_protocol(const std::vector<RunSummary>& summaries) {
+  std::vector<Runs> out;
+  for (const auto& run : summaries) {
+    const auto it = std::find_if(out.begin(), out.end(), [&](const Runs& runs) {
+      return runs[0]->group == run.group && runs[0]->protocol == run.protocol;
+    });
+    if (it == out.end())
+      out.push_back({&run});
+    else
+      it->push_back(&run);
+  }
+  for (auto& runs : out)
+    std::stable_sort(runs.begin(), runs.end(), [](const auto* a, const auto* b) { return a->correct > b->correct; });
+  return out;
+}
+
+Table recognition_table(const Runs& runs) {
+  Table table(
+      {"Descriptor", "Total", "Correct", "Of total [%]", "Incorrect", "Of total [%]", "No result", "Of total [%]"});
+  for (const auto* run : runs)
+    table.add({short_name(*run), number(run->frames), number(run->correct), number(run->percent(run->correct)),
+               number(run->wrong), number(run->percent(run->wrong)), number(run->none),
+               number(run->percent(run->none))});
+  return table;
+}
+
+Table pose_table(const Runs& runs) {
+  Table table({"Descriptor", "Under both", "Of correct [%]", "Of total [%]", "Rotation median [deg]",
+               "Translation median [mm]"});
+  for (const auto* run : runs)
+    table.add({short_name(*run), number(run->pose_right), number(share_percent(run->pose_right, run->correct)),
+               number(run->percent(run->pose_right)), number(quantile(run->rotation_errors_deg, 0.5)),
+               number(quantile(run->translation_errors_mm, 0.5))});
+  return table;
+}
+
+/// Rows: the part shown. Columns: what it was recognized as.
+Table confusion_table(const RunSummary& run) {
+  std::set<std::string> shown, named;
+  for (const auto& [pair, count] : run.confusion) {
+    shown.insert(pair.first);
+    if (!pair.second.empty()) named.insert(pair.second);
+  }
+  named.insert(shown.begin(), shown.end());
+  named.erase("");
+  std::vector<std::string> columns = {"shown"};
+  columns.insert(columns.end(), named.begin(), named.end());
+  columns.emplace_back("none");
+  Table table(columns);
+  for (const auto& part : shown) {
+    std::vector<std::string> row = {part.empty() ? "(none of them)" : part};
+    const auto cell = [&](const std::string& as) {
+      const auto it = run.confusion.find({part, as});
+      return it == run.confusion.end() ? std::string("0") : number(it->second);
+    };
+    for (const auto& name : named) row.push_back(cell(name));
+    row.push_back(cell(""));
+    table.add(row);
+  }
+  return table;
+}
+
+Table time_table(const Runs& runs) {
+  std::vector<std::string> steps;
+  for (const auto* run : runs)
+    for (const auto& [step, times] : run->stage_ms)
+      if (std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
+  std::vector<std::string> columns = {"Descriptor", "frame, median [ms]", "frame, p95 [ms]"};
+  columns.insert(columns.end(), steps.begin(), steps.end());
+  Table table(columns);
+  for (const auto* run : runs) {
+    std::vector<std::string> row = {short_name(*run), number(quantile(run->times_ms, 0.5)),
+                                    number(quantile(run->times_ms, 0.95))};
+    for (const auto& step : steps) {
+      const auto it = run->stage_ms.find(step);
+      row.push_back(it == run->stage_ms.end() ? "-" : number(quantile(it->second, 0.5)));
+    }
+    table.add(row);
+  }
+  return table;
+}
+
+struct AcceptCurve {
+  std::string name;
+  std::vector<AcceptPoint> points;
+};
+
+/// One for each pair of a run with known parts and one with the same parts left out.
+std::vector<AcceptCurve> accept_curves(const std::vector<FrameRecord>& records,
+                                       const std::vector<RunSummary>& summaries) {
+  std::map<std::string, std::vector<const FrameRecord*>> of_run;
+  for (const auto& record : records) of_run[record.run].push_back(&record);
+  std::vector<AcceptCurve> curves;
+  for (const auto& known : summaries)
+    for (const auto& unknown : summaries)
+      if (!known.left_out && unknown.left_out && known.group == unknown.group &&
+          known.configuration == unknown.configuration && known.descriptor == unknown.descriptor)
+        curves.push_back(
+            {fmt::format("{}: {} against {}, {}", known.group, known.protocol, unknown.protocol, short_name(known)),
+             accept_curve(of_run[known.run], of_run[unknown.run])});
+  return curves;
+}
+
+}  // namespace
+
+std::vector<RunSummary> summarize_runs(const std::vector<FrameRecord>& records, const ExperimentSpec& spec) {
+  std::vector<RunSummary> summaries;
+  for (const auto& record : records) {
+    auto it = std::find_if(summaries.begin(), summaries.end(), [&](const auto& s) { return s.run == record.run; });
+    if (it == summaries.end()) {
+      RunSummary run;
+      run.run = record.run;
+      run.group = record.group;
+      run.protocol = record.protocol;
+      run.configuration = record.configuration;
+      run.descriptor = record.descriptor;
+      run.left_out = record.left_out;
+      it = summaries.insert(summaries.end(), std::move(run));
+    }
+    ++it->frames;
+    const Evaluation& evaluation = record.evaluation;
+    const bool recognized_something = record.result.candidate_id >= 0;
+    ++it->confusion[{evaluation.ground_truth_model_name, recognized_something ? record.result.model_name : ""}];
+    it->times_ms.push_back(record.time_ms);
+    for (const auto& stage : record.stages) it->stage_ms[stage.tag].push_back(stage.measure_ms);
+    if (!evaluation.recognized_correctly) {
+      ++(recognized_something ? it->wrong : it->none);
+      continue;
+    }
+    ++it->correct;
+    if (!recognized_something) {  // rightly so: no pose to be judged
+      ++it->pose_right;
+      continue;
+    }
+    it->pose_right += evaluation.rotation_error_deg < spec.limit_deg && evaluation.translation_error_mm < spec.limit_mm;
+    it->rotation_errors_deg.push_back(evaluation.rotation_error_deg);
+    it->translation_errors_mm.push_back(evaluation.translation_error_mm);
+  }
+  return summaries;
+}
+
+std::vector<AcceptPoint> accept_curve(const std::vector<const FrameRecord*>& known,
+                                      const std::vector<const FrameRecord*>& left_out) {
+  std::set<double, std::greater<>> thresholds = {0.0};
+  for (const auto* records : {&known, &left_out})
+    for (const auto* record : *records)
+      if (record->score >= 0) thresholds.insert(record->score);
+  const auto percent = [](const std::vector<const FrameRecord*>& records, const auto& counts) {
+    if (records.empty()) return 0.0;
+    return 100.0 * static_cast<double>(std::count_if(records.begin(), records.end(), counts)) /
+           static_cast<double>(records.size());
+  };
+  std::vector<AcceptPoint> curve = {{*thresholds.begin() + 1, 0, 0}};
+  for (const double threshold : thresholds) {
+    const auto accepted = [&](const FrameRecord* r) { return r->score >= 0 && r->score >= threshold; };
+    curve.push_back({threshold, percent(known, [&](const FrameRecord* r) { return accepted(r) && r->best_is_right; }),
+                     percent(left_out, accepted)});
+  }
+  return curve;
+}
+
+void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec& spec, const fs::path& output) {
+  // In the order of the spec, whatever the order in which the frames were finished.
+  std::vector<FrameRecord> records = unsorted;
+  std::vector<std::string> run_order;
+  for (const auto& group : spec.groups)
+    for (const auto& protocol : spec.protocols) run_order.push_back(group.name + " / " + protocol.name + " / ");
+  const auto rank = [&](const FrameRecord& record) {
+    const std::string prefix = record.group + " / " + record.protocol + " / ";
+    return std::find(run_order.begin(), run_order.end(), prefix) - run_order.begin();
+  };
+  std::stable_sort(records.begin(), records.end(), [&](const auto& a, const auto& b) {
+    return std::tuple(rank(a), a.run, a.frame) < std::tuple(rank(b), b.run, b.frame);
+  });
+  const auto summaries = summarize_runs(records, spec);
+
+  std::string page = "# " + spec.name + "\n";
+  Table recognition({"group", "protocol", "configuration", "descriptor", "total", "correct", "incorrect", "no_result"});
+  Table poses({"group", "protocol", "configuration", "descriptor", "under_limits", "of_correct_percent",
+               "of_total_percent", "rotation_median_deg", "translation_median_mm"});
+  Table confusion({"group", "protocol", "configuration", "descriptor", "shown", "recognized_as", "frames"});
+  Table times({"group", "protocol", "configuration", "descriptor", "step", "median_ms", "p95_ms"});
+  Json json;
+  json["name"] = spec.name;
+  json["runs"] = Json::array();
+  for (const auto& run : summaries) {
+    const auto row = [&](std::vector<std::string> cells) {
+      cells.insert(cells.begin(), {run.group, run.protocol, run.configuration, run.descriptor});
+      return cells;
+    };
+    recognition.add(row({number(run.frames), number(run.correct), number(run.wrong), number(run.none)}));
+    poses.add(row({number(run.pose_right), number(share_percent(run.pose_right, run.correct)),
+                   number(run.percent(run.pose_right)), number(quantile(run.rotation_errors_deg, 0.5)),
+                   number(quantile(run.translation_errors_mm, 0.5))}));
+    for (const auto& [pair, count] : run.confusion) confusion.add(row({pair.first, pair.second, number(count)}));
+    times.add(row({"frame", number(quantile(run.times_ms, 0.5)), number(quantile(run.times_ms, 0.95))}));
+    for (const auto& [step, ms] : run.stage_ms)
+      times.add(row({step, number(quantile(ms, 0.5)), number(quantile(ms, 0.95))}));
+    Json entry;
+    for (const auto& [key, value] : {std::pair{"group", run.group},
+                                     {"protocol", run.protocol},
+                                     {"configuration", run.configuration},
+                                     {"descriptor", run.descriptor}})
+      entry[key] = value;
+    entry["frames"] = run.frames;
+    entry["correct"] = run.correct;
+    entry["incorrect"] = run.wrong;
+    entry["no_result"] = run.none;
+    entry["pose_under_limits"] = run.pose_right;
+    entry["median_ms"] = quantile(run.times_ms, 0.5);
+    json["runs"].push_back(entry);
+  }
+
+  for (const auto& runs : by_group_and_protocol(summaries)) {
+    const RunSummary& best = *runs[0];
+    const std::string title = best.group + ", " + best.protocol;
+    page += fmt::format("\n## {}\n\nRecognition{}:\n\n{}", title,
+                        best.left_out ? " (the part shown is not in the catalogue: correct is no result)" : "",
+                        recognition_table(runs).markdown());
+    if (!best.left_out) {
+      std::vector<BoxSeries> rotation, translation;
+      for (const auto* run : runs) {
+        rotation.push_back({short_name(*run), run->rotation_errors_deg});
+        translation.push_back({short_name(*run), run->translation_errors_mm});
+      }
+      const std::string rotation_file = file_name_of(title) + "-rotation.svg",
+                        translation_file = file_name_of(title) + "-translation.svg";
+      write_file_atomically(output / rotation_file, box_plot_svg("Rotation error: " + title, "deg", rotation));
+      write_file_atomically(output / translation_file, box_plot_svg("Translation error: " + title, "mm", translation));
+      page += fmt::format(
+          "\nPose errors under {:g} deg and {:g} mm, symmetry ignored:\n\n{}\n![rotation errors]({}) ![translation "
+          "errors]({})\n",
+          spec.limit_deg, spec.limit_mm, pose_table(runs).markdown(), rotation_file, translation_file);
+    }
+    page += fmt::format("\nConfusion of {}:\n\n{}\nTime per step, median [ms]{}:\n\n{}", short_name(best),
+                        confusion_table(best).markdown(),
+                        spec.parallel_frames ? " (frames side by side, each on what the others leave)" : "",
+                        time_table(runs).markdown());
+  }
+
+  const auto curves = accept_curves(records, summaries);
+  if (!curves.empty()) {
+    Table accepts({"curve", "threshold", "true_accepts_percent", "false_accepts_percent"});
+    std::vector<LineSeries> lines;
+    for (const auto& curve : curves) {
+      lines.push_back({curve.name, {}});
+      for (const auto& point : curve.points) {
+        accepts.add({curve.name, fmt::format("{:.4f}", point.threshold), number(point.true_accepts_percent),
+                     number(point.false_accepts_percent)});
+        lines.back().points.emplace_back(point.false_accepts_percent, point.true_accepts_percent);
+      }
+    }
+    write_file_atomically(output / "accepts.csv", accepts.csv());
+    write_file_atomically(output / "accepts.svg",
+                          percent_plot_svg("Accepting above a score", "false accepts, parts not in the catalogue [%]",
+                                           "true accepts, right part [%]", lines));
+    page += "\n## Parts that are not in the catalogue\n\n![false against true accepts](accepts.svg)\n";
+  }
+
+  Table errors(
+      {"run", "frame", "shown", "recognized_as", "rotation_error_deg", "translation_error_mm", "score", "time_ms"});
+  for (const auto& record : records)
+    errors.add({record.run, record.frame, record.evaluation.ground_truth_model_name, record.result.model_name,
+                number(record.evaluation.rotation_error_deg), number(record.evaluation.translation_error_mm),
+                number(record.score), number(record.time_ms)});
+  for (const auto& [file, table] : {std::pair{"recognition.csv", &recognition},
+                                    {"poses.csv", &poses},
+                                    {"confusion.csv", &confusion},
+                                    {"times.csv", &times},
+                                    {"errors.csv", &errors}})
+    write_file_atomically(output / file, table->csv());
+  write_json_file(output / "tables.json", json);
+  write_file_atomically(output / "tables.md", page);
+}
+
+}  // namespace partpose

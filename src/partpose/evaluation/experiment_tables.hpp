@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/evaluation/experiment.hpp"
+
+namespace partpose {
+
+/// What the frames of one run came to.
+struct RunSummary {
+  std::string run, group, protocol, configuration, descriptor;
+  bool left_out = false;
+  int frames = 0, correct = 0, wrong = 0, none = 0;
+  int pose_right = 0;                                              ///< correct, and within both limits
+  std::vector<double> rotation_errors_deg, translation_errors_mm;  ///< of the correct ones
+  std::vector<double> times_ms;
+  std::map<std::string, std::vector<double>> stage_ms;
+  std::map<std::pair<std::string, std::string>, int> confusion;  ///< shown, recognized as ("": none)
+
+  double percent(int count) const { return frames ? 100.0 * count / frames : 0; }
+};
+
+/// One for each run, in the order of their first records.
+std::vector<RunSummary> summarize_runs(const std::vector<FrameRecord>& records, const ExperimentSpec& spec);
+
+/// A point of the curve of false against true accepts: what an acceptance threshold on the score would give.
+struct AcceptPoint {
+  double threshold = 0;
+  double true_accepts_percent = 0;   ///< of the scenes whose part is in the catalogue: recognized as that part
+  double false_accepts_percent = 0;  ///< of the scenes whose part is not in the catalogue: recognized as something
+};
+/// Thresholds from above the highest score to 0. The scores of rejected best candidates count as well.
+std::vector<AcceptPoint> accept_curve(const std::vector<const FrameRecord*>& known,
+                                      const std::vector<const FrameRecord*>& left_out);
+
+/// Writes tables.md (in the form of the reference's chapter 6.3), tables.json, recognition.csv, poses.csv,
+/// confusion.csv, errors.csv, times.csv, accepts.csv, and box plots and curves as SVG, into `output`.
+void write_tables(const std::vector<FrameRecord>& records, const ExperimentSpec& spec,
+                  const std::filesystem::path& output);
+
+}  // namespace partpose

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/io/scene.hpp"
+#include "partpose/pipeline/catalogue.hpp"
+#include "partpose/pipeline/records.hpp"
+
+#include <string>
+#include <vector>
+
+namespace partpose {
+
+/// One hypothesis: a view of a part, and where it lies in the scene.
+struct Candidate {
+  int id = -1;        ///< rank in the matching
+  int view_row = -1;  ///< index into Catalogue::views
+  float match_distance = -1;
+  std::vector<ReferenceFrames> reference_frames = {};    ///< of the descriptions that match, best match first
+  Eigen::Isometry3d T3 = Eigen::Isometry3d::Identity();  ///< coarse alignment
+  Eigen::Isometry3d T4 = Eigen::Isometry3d::Identity();  ///< refinement
+  Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
+  bool icp_converged = false;
+  float icp_fitness = -1;  ///< mm
+  /// 0 to 1, -1: not looked at. Of the Recognizer: of render-and-compare; of the GlobalPipeline: the share of the scene
+  /// that is explained times the share of the visible model that is.
+  float score = -1;
+  Verification verification = {};
+  bool verified = false;  ///< false: a better candidate was accepted before this one's turn
+};
+
+/// What happened to one scene: the one record behind everything that shows results.
+struct Recognition {
+  Result result;
+  std::vector<Candidate> candidates;  ///< in the order of the verification
+  int accepted = -1;                  ///< index into candidates
+  PointCloud preprocessed;            ///< camera frame
+  PointCloud with_normals;            ///< camera frame
+  PointCloud refinement_scene;        ///< camera frame
+  int num_of_points_input = 0;
+  std::vector<MeasuredOperation> stages;
+  std::string reason;  ///< why nothing was recognized; empty when something was
+
+  double total_ms() const;
+};
+
+/// What recognizes the part in a scene: one of the pipelines with its catalogue. Immutable and thread-safe.
+class PartRecognizer {
+ public:
+  virtual ~PartRecognizer() = default;
+  /// The camera at the origin. An empty or degenerate scene gives a Recognition without a result.
+  virtual Recognition recognize(const Scene& scene) const = 0;
+  virtual const Catalogue& catalogue() const = 0;
+};
+
+/// What the candidate says, without a timestamp.
+Result result_of(const Candidate& candidate, const Catalogue& catalogue);
+
+/// Extras (C.2.3) of what happened.
+Extras extras_of(const Recognition& recognition, const Catalogue& catalogue);
+
+/// Local time to the millisecond, as in 2026-01-31_14-05-09_123; each call in a process gives another one.
+std::string make_timestamp();
+
+}  // namespace partpose
