@@ -130,3 +130,45 @@ export function bars(rows: { label: string; value: number; note: string; tip?: s
   });
   return picture;
 }
+
+/** Shares of right and false accepts for every threshold on a score. */
+export interface AcceptCurve {
+  threshold: number;
+  right: number;
+  wrong: number;
+}
+
+/** `parts`: score of the best candidate and whether it names the part shown; `others`: of scenes that show none. */
+export function acceptCurve(parts: { score: number; right: boolean }[], others: number[]): AcceptCurve[] {
+  const thresholds = [...new Set([...parts.map((p) => p.score), ...others, 0])].sort((a, b) => b - a);
+  return thresholds.map((threshold) => ({
+    threshold,
+    right: parts.filter((p) => p.right && p.score >= threshold).length / parts.length,
+    wrong: others.filter((score) => score >= threshold).length / others.length,
+  }));
+}
+
+/** Right accepts over false accepts, a step for each score. */
+export function acceptPlot(curve: AcceptCurve[]): Element {
+  const [left, top, size] = [50, 10, 260];
+  const x = (share: number) => left + share * size;
+  const y = (share: number) => top + (1 - share) * size;
+  const picture = svg('svg', { viewBox: `0 0 ${left + size + 30} ${top + size + 40}`, class: 'chart accepts', role: 'img' });
+  for (const tick of [0, 0.25, 0.5, 0.75, 1])
+    picture.append(
+      svg('line', { x1: x(tick), x2: x(tick), y1: y(0), y2: y(1), class: 'grid' }),
+      svg('line', { x1: x(0), x2: x(1), y1: y(tick), y2: y(tick), class: 'grid' }),
+      svg('text', { x: x(tick), y: y(0) + 15, class: 'tick', 'text-anchor': 'middle' }, `${100 * tick}`),
+      svg('text', { x: x(0) - 6, y: y(tick) + 4, class: 'tick', 'text-anchor': 'end' }, `${100 * tick}`));
+  picture.append(
+    svg('text', { x: x(0.5), y: y(0) + 32, class: 'tick', 'text-anchor': 'middle' }, 'scenes without a part, accepted [%]'),
+    svg('text', { transform: `translate(12 ${y(0.5)}) rotate(-90)`, class: 'tick', 'text-anchor': 'middle' }, 'parts, accepted rightly [%]'));
+  let path = `M${x(0)} ${y(0)}`;
+  for (const point of curve) path += `H${x(point.wrong)}V${y(point.right)}`;
+  picture.append(svg('path', { d: path, class: 'curve' }));
+  const shown = curve.filter((_, i) => i % Math.max(1, Math.ceil(curve.length / 40)) === 0);
+  for (const point of shown)
+    picture.append(svg('circle', { cx: x(point.wrong), cy: y(point.right), r: 3, class: 'point',
+      tip: `A score of ${number(point.threshold)} or more is accepted: ${number(100 * point.right)} % of the parts rightly, ${number(100 * point.wrong)} % of the scenes without one falsely.` }));
+  return picture;
+}

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-import { boxPlot, quantile } from './charts';
+import { acceptCurve, acceptPlot, boxPlot, quantile } from './charts';
 import type { FrameRow } from './data';
 import { h } from './dom';
 import { addressOf, filtered, poseVerdict, type Filter, type Report } from './state';
@@ -153,6 +153,23 @@ function otherFigures(rows: FrameRow[], report: Report): string[] {
   return keys.filter((key) => !used.has(key));
 }
 
+/** The curve over all thresholds, where there are scenes with and without a part of the catalogue, and scores. */
+function accepts(rows: FrameRow[]): Element | null {
+  const scored = rows.filter((row) => row.truth !== undefined && row.best_score !== undefined);
+  const without = (row: FrameRow) => row.truth === '' || row.left_out === true;
+  const parts = scored.filter((row) => !without(row)).map((row) => ({ score: row.best_score!, right: row.best_is_right === true }));
+  const others = scored.filter(without).map((row) => row.best_score!);
+  // Frames without any candidate have no score, and are accepted at no threshold.
+  const unscored = rows.filter((row) => row.truth !== undefined && row.best_score === undefined);
+  parts.push(...unscored.filter((row) => !without(row)).map(() => ({ score: -1, right: false })));
+  others.push(...unscored.filter(without).map(() => -1));
+  if (!parts.length || !others.length || !scored.length) return null;
+  return h('section', {},
+    h('h2', { tip: 'For each threshold on the score of the best candidate: how many of the parts are accepted rightly, how many scenes without a part of the catalogue falsely. Up and left is better.' }, 'Accepts by score'),
+    h('div', { class: 'plots' },
+      h('figure', {}, h('figcaption', {}, `${parts.length} scenes with a part, ${others.length} without`), acceptPlot(acceptCurve(parts, others)))));
+}
+
 export function summaryPage(report: Report, filter: Filter, again: () => void): Element {
   const { index } = report;
   const own: Filter = filter.group === undefined ? {} : { group: filter.group };
@@ -214,6 +231,8 @@ export function summaryPage(report: Report, filter: Filter, again: () => void): 
   if (known)
     page.append(h('section', {}, h('h2', { tip: 'Of the frames whose part was recognized. Box: the middle half of the values; line in it: the median; whiskers: the furthest values within 1.5 box lengths; dots: outliers (Tukey 1977). Dashed: the limit.' }, 'Pose errors'),
       h('div', { class: 'plots' }, errorPlots(rows, report, own, byRun ? 'run' : 'part'))));
+  const curve = accepts(rows);
+  if (curve) page.append(curve);
   const others = otherFigures(rows, report);
   if (others.length)
     page.append(h('section', {}, h('h2', {}, 'Other figures of the evaluation'),

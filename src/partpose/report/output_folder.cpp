@@ -134,6 +134,16 @@ void take_times(const Json& times, SavedFrame& frame) {
   }
 }
 
+/// An experiment's line says it; otherwise the candidates do.
+void take_best_score(SavedFrame& frame) {
+  if (frame.best_score) return;
+  for (const auto& candidate : frame.candidates) {
+    if (!candidate.score || (frame.best_score && *candidate.score <= *frame.best_score)) continue;
+    frame.best_score = candidate.score;
+    frame.best_is_right = frame.truth && candidate.model_name == frame.truth->model_name;
+  }
+}
+
 void judge(SavedFrame& frame) {
   const bool found = !frame.model_name.empty();
   if (!frame.truth)
@@ -212,6 +222,7 @@ class Reader {
       frame.time_ms = 0;
       for (const auto& step : frame.steps) *frame.time_ms += step.ms;
     }
+    take_best_score(frame);
     judge(frame);
     out_.frames.push_back(std::move(frame));
   }
