@@ -101,9 +101,11 @@ function table(title: string, tip: string, lines: { name: string; rows: FrameRow
 function confusion(rows: FrameRow[], filter: Filter): Element {
   const known = rows.filter((row) => row.truth !== undefined);
   const shown = unique(known.map((row) => row.truth!));
-  const columns = unique([...known.map((row) => row.result), ...shown]).filter((name) => name !== '');
+  const present = known.filter((row) => !row.left_out).map((row) => row.truth!);
+  const columns = unique([...known.map((row) => row.result), ...present]).filter((name) => name !== '');
   columns.push('');
   const label = (name: string) => name || nothing;
+  const headHeight = 30 + Math.round(5.2 * Math.max(...columns.map((name) => label(name).length)));
   const lines = shown.map((truth) => {
     const of = known.filter((row) => row.truth === truth);
     return h('tr', {},
@@ -123,10 +125,10 @@ function confusion(rows: FrameRow[], filter: Filter): Element {
       }));
   });
   return h('div', { class: 'scroll' },
-    h('table', { class: 'confusion' },
+    h('table', { class: 'confusion', style: `margin-right:${headHeight}px` },
       h('thead', {}, h('tr', {},
         h('th', { tip: 'Rows: what was shown. Columns: what was recognized.' }, 'shown \u2193 recognized \u2192'),
-        columns.map((name) => h('th', { class: 'turned' }, h('span', {}, label(name)))))),
+        columns.map((name) => h('th', { class: 'turned', style: `height:${headHeight}px` }, h('span', {}, label(name)))))),
       h('tbody', {}, lines)));
 }
 
@@ -153,21 +155,30 @@ function otherFigures(rows: FrameRow[], report: Report): string[] {
   return keys.filter((key) => !used.has(key));
 }
 
-/** The curve over all thresholds, where there are scenes with and without a part of the catalogue, and scores. */
+/** What a run is compared as: its name without the protocol, as scenes with and without a part are different protocols. */
+const pipelineOf = (row: FrameRow) =>
+  row.group.split(/ \/ | \u00b7 /).filter((name) => name !== row.protocol && name !== '-').join(' / ');
+
+/** The curve over all thresholds of each pipeline that saw scenes with and without a part of its catalogue. */
 function accepts(rows: FrameRow[]): Element | null {
-  const scored = rows.filter((row) => row.truth !== undefined && row.best_score !== undefined);
   const without = (row: FrameRow) => row.truth === '' || row.left_out === true;
-  const parts = scored.filter((row) => !without(row)).map((row) => ({ score: row.best_score!, right: row.best_is_right === true }));
-  const others = scored.filter(without).map((row) => row.best_score!);
-  // Frames without any candidate have no score, and are accepted at no threshold.
-  const unscored = rows.filter((row) => row.truth !== undefined && row.best_score === undefined);
-  parts.push(...unscored.filter((row) => !without(row)).map(() => ({ score: -1, right: false })));
-  others.push(...unscored.filter(without).map(() => -1));
-  if (!parts.length || !others.length || !scored.length) return null;
+  const known = rows.filter((row) => row.truth !== undefined);
+  const figures: Element[] = [];
+  for (const pipeline of unique(known.map(pipelineOf))) {
+    const own = known.filter((row) => pipelineOf(row) === pipeline);
+    if (!own.some((row) => row.best_score !== undefined)) continue;
+    // Frames without any candidate have no score, and are accepted at no threshold.
+    const parts = own.filter((row) => !without(row)).map((row) => ({ score: row.best_score ?? -1, right: row.best_is_right === true }));
+    const others = own.filter(without).map((row) => row.best_score ?? -1);
+    if (!parts.length || !others.length) continue;
+    figures.push(h('figure', {},
+      h('figcaption', {}, pipeline || 'all frames', h('small', {}, ` ${parts.length} scenes with a part, ${others.length} without`)),
+      acceptPlot(acceptCurve(parts, others))));
+  }
+  if (!figures.length) return null;
   return h('section', {},
     h('h2', { tip: 'For each threshold on the score of the best candidate: how many of the parts are accepted rightly, how many scenes without a part of the catalogue falsely. Up and left is better.' }, 'Accepts by score'),
-    h('div', { class: 'plots' },
-      h('figure', {}, h('figcaption', {}, `${parts.length} scenes with a part, ${others.length} without`), acceptPlot(acceptCurve(parts, others)))));
+    h('div', { class: 'plots small' }, figures));
 }
 
 export function summaryPage(report: Report, filter: Filter, again: () => void): Element {
@@ -241,11 +252,14 @@ export function summaryPage(report: Report, filter: Filter, again: () => void): 
           boxPlot(names.map((name) => ({ label: name || noneOfThem,
             values: rows.filter((row) => row.truth === name).map((row) => row.figures?.[key]).filter((x): x is number => x !== undefined) })),
             key.split('_').pop() ?? ''))))));
+  const order = Object.keys(stepTip);
+  const place = (tag: string) => (order.includes(tag) ? order.indexOf(tag) : order.length);
+  const steps = [...index.steps].sort((a, b) => place(a) - place(b));
   page.append(h('section', {}, h('h2', { tip: 'Wall-clock time of each step in all frames.' }, 'Time by step'),
     h('div', { class: 'plots' }, h('figure', {},
       index.steps.length
-        ? boxPlot(index.steps.map((tag, i) => ({ label: tag, values: rows.map((row) => row.steps?.[i]).filter((x): x is number => typeof x === 'number') })), 'ms')
+        ? boxPlot(steps.map((tag) => ({ label: tag, values: rows.map((row) => row.steps?.[index.steps.indexOf(tag)]).filter((x): x is number => typeof x === 'number') })), 'ms')
         : h('p', { class: 'quiet' }, 'not saved')),
-      h('dl', { class: 'glossary' }, index.steps.map((tag) => [h('dt', {}, tag), h('dd', {}, stepTip[tag] ?? '')])))));
+      h('dl', { class: 'glossary' }, steps.map((tag) => [h('dt', {}, tag), h('dd', {}, stepTip[tag] ?? '')])))));
   return page;
 }

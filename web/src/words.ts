@@ -198,13 +198,14 @@ export function why(row: FrameRow, header: FrameHeader, limits: Limits, pair: Er
       const best = own.reduce((a, b) => (errorsOf(a, truth).deg + errorsOf(a, truth).mm <= errorsOf(b, truth).deg + errorsOf(b, truth).mm ? a : b));
       const e = errorsOf(best, truth);
       const rank = candidates.indexOf(best) + 1;
+      const which = own.length === 1 ? 'the only candidate' : `the nearest of ${own.length} candidates`;
       if (e.deg < limits.deg && e.mm < limits.mm)
         out.push(`Lost in the decision: candidate ${best.id} is ${row.truth} and only ${number(e.deg)}\u00b0 and ${number(e.mm)} mm off the truth, ` +
           `but stands at place ${rank}${best.verdict && best.verdict !== 'accepted' ? ` and fell: ${best.verdict}` : ''}.`);
       else if (best.coarse)
-        out.push(`Lost in the pose: the nearest of ${own.length} candidates of ${row.truth} ends ${number(e.deg)}\u00b0 and ${number(e.mm)} mm off the truth; ` +
+        out.push(`Lost in the pose: ${which} of ${row.truth} ends ${number(e.deg)}\u00b0 and ${number(e.mm)} mm off the truth; ` +
           `its coarse alignment was ${number(rotationError(best.coarse, truth))}\u00b0 and ${number(translationError(best.coarse, truth))} mm off.`);
-      else out.push(`Lost in the pose: the nearest of ${own.length} candidates of ${row.truth} ends ${number(e.deg)}\u00b0 and ${number(e.mm)} mm off the truth.`);
+      else out.push(`Lost in the pose: ${which} of ${row.truth} ends ${number(e.deg)}\u00b0 and ${number(e.mm)} mm off the truth.`);
     } else {
       out.push(`${row.truth} is among the candidates at place ${candidates.indexOf(own[0]) + 1}${own[0].verdict ? `: ${own[0].verdict}` : ''}.`);
     }
