@@ -76,6 +76,7 @@ export interface Candidate {
   id: number;
   model_name: string;
   view_id: number;
+  place: number; // in the order of the decision, from 1
   verdict: string;
   coarse?: Rows;
   fine: Rows;
@@ -103,7 +104,8 @@ export interface Step {
 export interface FrameHeader {
   clouds: Partial<Record<'input' | 'preprocessed_only' | 'with_normals' | 'result', CloudSection>>;
   depth?: DepthSection;
-  candidates: Candidate[]; // in the order of the decision
+  candidates: Candidate[]; // in the order of the decision; only the accepted one where the others were not asked for
+  candidates_of: number;
   accepted: number;
   result_pose?: Rows;
   result_mesh?: number;

@@ -19,8 +19,8 @@ const stageTip: Record<StageName, string> = {
   input: 'What the camera measured, before anything was done to it. Colour: distance from the camera.',
   preprocessed: 'What is left after segmentation, scaling, cropping, voxel grid, plane and outlier removal. Colour: distance from the camera.',
   normals: 'The direction of the surface at each point: red, green, blue are x, y, \u2212z. Grey points have no usable normal and were dropped.',
-  coarse: 'The candidate after the coarse alignment (T3 T2 T1).',
-  fine: 'The candidate after the refinement (T4 T3 T2 T1).',
+  coarse: 'The candidate after the coarse alignment (T3 T2 T1); of the Recognizer, after its ICP.',
+  fine: 'The candidate after the refinement (T4 T3 T2 T1 = T_final).',
   verdict: 'The result, and the truth (green lines) where it is known.',
 };
 
@@ -530,14 +530,14 @@ export class FramePage {
     const own = (c: Candidate) => truth && c.model_name === this.row.truth;
     this.parts.candidates.replaceChildren(
       h('h2', { tip: 'Hypotheses: a view of a part, and where it would lie. In the order of the decision. Arrow keys up and down select.' },
-        `Candidates${candidates.length ? ` (${candidates.length})` : ''}`),
+        `Candidates${candidates.length < this.header.candidates_of ? ` (${candidates.length} of ${this.header.candidates_of})` : candidates.length ? ` (${candidates.length})` : ''}`),
       candidates.length === 0
         ? h('p', { class: 'quiet' }, this.header.has_extras ? 'None.' : 'Not saved (debug.save_extras_json).')
         : h('div', { class: 'scroll' }, h('table', {},
             h('thead', {}, h('tr', {}, head.map(([label, tip]) => h('th', { tip, class: label === 'part' || label === '' ? '' : 'number' }, label)))),
             h('tbody', {}, candidates.map((c, i) =>
               h('tr', { class: 'clickable', 'aria-selected': String(i === this.selected), 'data-candidate': i, onclick: () => this.select(i), tip: c.verdict || undefined },
-                h('td', {}, i === accepted ? '\u2713' : String(i + 1)),
+                h('td', {}, i === accepted ? '\u2713' : String(c.place)),
                 h('td', { class: own(c) ? 'own' : '' }, c.model_name),
                 h('td', { class: 'number' }, c.view_id),
                 has('score') && h('td', { class: 'number' }, number(c.score)),

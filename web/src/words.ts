@@ -182,14 +182,14 @@ export function why(row: FrameRow, header: FrameHeader, limits: Limits, pair: Er
         ? `${accepted.unexplained_model_points} of ${accepted.visible_model_points} visible points of the part without a measured point near`
         : '',
     ].filter(Boolean);
-    const place = header.accepted === 0 ? 'the first in the order of the decision' : `number ${header.accepted + 1} in the order of the decision`;
+    const place = accepted.place === 1 ? 'the first in the order of the decision' : `number ${accepted.place} in the order of the decision`;
     out.push(`Accepted: candidate ${accepted.id}, ${accepted.model_name} seen as in view ${accepted.view_id}, ${place} of ` +
-      `${candidates.length}${figures.length ? ` (${figures.join(', ')})` : ''}.`);
+      `${header.candidates_of}${figures.length ? ` (${figures.join(', ')})` : ''}.`);
   }
   // Where the truth was lost.
   const failed = row.verdict === 'wrong' || row.verdict === 'none' ||
     (errors !== null && !right && !otherwise);
-  if (failed && row.truth && !row.left_out && candidates.length > 0) {
+  if (failed && row.truth && !row.left_out && candidates.length > 0 && candidates.length === header.candidates_of) {
     const own = candidates.filter((c) => c.model_name === row.truth);
     if (own.length === 0) {
       out.push(`Lost in matching: no view of ${row.truth} is among the ${candidates.length} candidates.`);

@@ -258,7 +258,8 @@ class Reader {
       frame.name = text(json, "frame");
       frame.scene = text(json, "scene");
       const Json& truth = member(json, "truth");
-      if (truth.is_object()) frame.truth = SavedTruth{text(truth, "model_name"), false, find<Eigen::Isometry3d>(truth, "T")};
+      if (truth.is_object())
+        frame.truth = SavedTruth{text(truth, "model_name"), false, find<Eigen::Isometry3d>(truth, "T")};
       const std::string folder = text(json, "folder");
       if (!folder.empty()) {
         const fs::path iteration = fs::weakly_canonical(path.parent_path() / folder);

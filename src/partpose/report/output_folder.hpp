@@ -68,7 +68,7 @@ struct SavedFrame {
   std::optional<double> time_ms;
   std::optional<double> best_score;   ///< of the best candidate, accepted or not
   std::optional<bool> best_is_right;  ///< whether that candidate names the part shown
-  double input_unit_mm = 1;  ///< of scene_original.ply
+  double input_unit_mm = 1;           ///< of scene_original.ply
   std::filesystem::path input, preprocessed, with_normals, depth, depth_camera, result_cloud,
       config;  ///< existing, or empty
 };

@@ -181,8 +181,7 @@ class ReportWriter {
     Measured m;
     m.input = cloud(frame.input);
     for (auto& p : m.input.points) p *= static_cast<float>(frame.input_unit_mm);
-    if (options_.stages.normals || options_.stages.preprocessed || options_.stages.coarse || options_.stages.fine)
-      m.with_normals = cloud(frame.with_normals);
+    m.with_normals = cloud(frame.with_normals);  // every stage but the first shows them
     m.preprocessed_only = without(cloud(frame.preprocessed), m.with_normals);
     if (frame.candidates.empty() || frame.candidates[0].mesh.empty()) m.result = cloud(frame.result_cloud);
     for (const auto& candidate : frame.candidates)
@@ -251,7 +250,8 @@ class ReportWriter {
     for (std::size_t i = 0; i < frame.candidates.size(); ++i) {
       const auto& c = frame.candidates[i];
       if (!all && !(frame.candidate_id && c.id == *frame.candidate_id)) continue;
-      Json json{{"id", c.id}, {"model_name", c.model_name}, {"view_id", c.view_id}, {"verdict", c.verdict}};
+      Json json{
+          {"id", c.id}, {"model_name", c.model_name}, {"view_id", c.view_id}, {"verdict", c.verdict}, {"place", i + 1}};
       if (stages.coarse) json["coarse"] = rows_of(c.coarse);
       json["fine"] = rows_of(c.camera_from_model);
       set_if(json, "score", c.score);
@@ -268,6 +268,7 @@ class ReportWriter {
       if (!measured.candidates[i].empty()) json["cloud"] = packet.add(measured.candidates[i], detail.points / 40 + 100);
       h["candidates"].push_back(std::move(json));
     }
+    h["candidates_of"] = frame.candidates.size();
     h["accepted"] = -1;
     for (std::size_t i = 0; i < h["candidates"].size(); ++i)
       if (frame.candidate_id && *frame.candidate_id >= 0 && h["candidates"][i]["id"] == *frame.candidate_id)
@@ -350,7 +351,9 @@ class ReportWriter {
                                        {"descriptor", &frame.descriptor},
                                        {"reason", &frame.reason}})
         if (!value->empty()) json[key] = *value;
-      if (frame.truth) json["truth"] = frame.truth->left_out ? fmt::format("{} (left out)", frame.truth->model_name) : frame.truth->model_name;
+      if (frame.truth)
+        json["truth"] =
+            frame.truth->left_out ? fmt::format("{} (left out)", frame.truth->model_name) : frame.truth->model_name;
       if (frame.truth && frame.truth->left_out) json["left_out"] = true;
       set_if(json, "best_score", frame.best_score);
       set_if(json, "best_is_right", frame.best_is_right);
