@@ -51,7 +51,7 @@ camera='"width": 640, "height": 480, "fx": 615, "fy": 615, "cx": 319.5, "cy": 23
 echo "-- what works"
 good "version" --version
 good "help" --help
-for command in recognize dataset index evaluate captured report; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
+for command in recognize dataset index evaluate captured scenes experiment sensor symmetry ambiguity report; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
 good "recognize a frame" recognize --models parts --jsonl lines.jsonl --pictures pictures "$frame"
 grep -q '"model_name":"bracket"' lines.jsonl || fail "the bracket was not recognized: $(cat lines.jsonl)"
 for key in scene T_final match_distance icp_fitness time_ms; do grep -q "\"$key\":" lines.jsonl || fail "no $key in the JSON line"; done
@@ -89,6 +89,30 @@ bad "report of nothing" "no such folder" report nowhere
 mkdir no_output && bad "report of another folder" "no iteration folder" report no_output
 bad "report to nowhere" "cannot be written" report captured --output nowhere/report.html
 bad "report without a limit" "limit_deg" report captured --limit-deg -1
+
+echo "-- datasets of the BOP benchmark"
+golden="$root/tests/bop_golden/mini_bop"
+results=golden_minibop-test.csv
+for command in "bop" "bop recognize" "bop score"; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
+good "bop score" bop score "$golden" "$golden/$results" --image-width 640 --json scores.json
+grep -q '^all  *-  *-  *34.5  *44.1$' out.txt || fail "bop score: $(cat out.txt)"
+grep -q '"bop19_average_recall_mssd": 0.3454545454545' scores.json || fail "bop score --json: $(head -c 300 scores.json)"
+bad "unknown image width" "give --image-width" bop score "$golden" "$golden/$results"
+bad "no depth image" "000000.png: no such file" bop recognize "$golden" -o r.csv
+[ ! -e r.csv ] || fail "a results file without results was left behind"
+bad "no such BOP dataset" "nowhere: no such folder" bop score nowhere "$golden/$results"
+bad "no such split" "train: no such folder" bop score "$golden" "$golden/$results" --split train
+bad "no such results" "nowhere.csv: no such file" bop score "$golden" nowhere.csv --image-width 640
+sed '3s/,0.404$/,late/' "$golden/$results" >$results && bad "damaged results" "line 3: time: 'late'" bop score "$golden" $results --image-width 640
+cp -r "$golden" toy && chmod -R u+w toy
+sed -i 's/"diameter"/"size"/' toy/models_eval/models_info.json && bad "models_info.json without a diameter" 'models_info.json: key "1.diameter" is missing' bop score toy "$golden/$results" --image-width 640
+cp "$golden/models_eval/models_info.json" toy/models_eval/ && rm toy/models_eval/obj_000003.ply && bad "no model" "obj_000003.ply: no such file" bop score toy "$golden/$results" --image-width 640
+bad "no BOP command" "subcommand" bop
+good "symmetry" symmetry parts/link.stl --json
+grep -q '"symmetries_discrete"' out.txt || fail "the link's symmetry was not found: $(cat out.txt)"
+good "ambiguity" ambiguity parts/bracket.stl --camera "$root/scenes/bracket.camera.json" --subdivide 0 --jsonl lines.jsonl
+grep -q "bracket" out.txt || fail "ambiguity lists nothing: $(cat out.txt)"
+bad "symmetry tolerance" "must be positive" symmetry parts/link.stl --tolerance 0
 
 echo "-- bad parts"
 bad "no models" "no such file or folder" recognize --models nowhere "$frame"
@@ -155,6 +179,31 @@ echo '{"models": []}' >half/dataset.json && bad "dataset.json without keys" 'is 
 cp dataset/dataset.json half/ && rm half/models/0001/views/0003.pcd && rm -r half/descriptors && bad "dataset without a view" "0003.pcd" index --dataset half
 echo '{"model_paths": ["nowhere.stl"]}' >list.json && bad "model list" "nowhere.stl" dataset --model-list list.json --output d3
 echo '{"model_path": ["nowhere.stl"]}' >list.json && bad "model list key" "model_paths" dataset --model-list list.json --output d3
+
+echo "-- synthetic scenes"
+cat >scenes.json <<<'{"scene": {"camera": {"width": 160, "height": 120, "fx": 154, "fy": 154, "cx": 79.5, "cy": 59.5}}, "frames_per_scene": 2}'
+good "scenes" scenes --models parts --frames 3 --config scenes.json --parts 2 --clutter 2 --pictures drawn --output drawn_scenes
+for file in camera.json scenes.json test_targets_bop19.json models/models_info.json models/obj_000002.ply test/000001/scene_gt.json test/000001/scene_gt_info.json test/000001/depth/000001.png test/000002/depth/000000.png; do [ -s drawn_scenes/$file ] || fail "drawn_scenes/$file is missing"; done
+[ "$(ls drawn | wc -l)" -eq 3 ] || fail "scenes: $(ls drawn | wc -l) pictures instead of 3"
+good "scenes again" scenes --threads 1 --models parts --frames 3 --config scenes.json --parts 2 --clutter 2 --output drawn_again
+diff -r drawn_scenes drawn_again >/dev/null || fail "scenes differ with one thread"
+good "scenes replaced" scenes --models parts/link.stl --unknown parts/bracket.stl --frames 1 --config scenes.json --sensor none --seed 2 --hidden 0.2 0.4 --output drawn_scenes
+[ -s drawn_scenes/unknown/000001/scene_gt.json ] || fail "the unknown part is missing"
+[ ! -e drawn_scenes/test/000002 ] || fail "an older frame is left"
+good "resting poses" scenes --models parts --list-poses
+[ "$(grep -c '^link' out.txt)" -eq 4 ] || fail "link has $(grep -c '^link' out.txt) resting poses instead of 4"
+good "scenes options" scenes --print-config
+cp out.txt all.json
+good "scenes options read" scenes --config all.json --print-config
+diff out.txt all.json >/dev/null || fail "the printed options are not read back"
+bad "scenes without parts" "--models" scenes --output s1
+bad "scenes without output" "--output" scenes --models parts
+bad "scenes, other folder" "other things" scenes --models parts --output parts
+echo '{"scene": {"camera": {"elevation": [1, 2]}}}' >bad.json && bad "scenes, unknown key" 'did you mean "scene.camera.elevation_deg"\|did you mean "elevation_deg"' scenes --models parts --output s1 --config bad.json
+bad "scenes, range" "0 to 0.99" scenes --models parts --hidden 0.5 0.2 --output s1
+bad "scenes, sensor" "sonar" scenes --models parts --sensor sonar --output s1
+bad "scenes, no frames" "1 or more" scenes --models parts --frames 0 --output s1
+[ ! -e s1 ] || fail "s1 was written"
 
 echo "-- bad usage"
 bad "no command" "subcommand" 

@@ -15,11 +15,16 @@ struct Common {
 };
 
 // Each adds its subcommands to the app; what they do runs as their callback.
+void add_ambiguity_command(CLI::App& app, const Common& common);
 void add_dataset_commands(CLI::App& app, const Common& common);
+void add_bop_commands(CLI::App& app, const Common& common);
 void add_captured_command(CLI::App& app, const Common& common);
 void add_evaluate_command(CLI::App& app, const Common& common);
 void add_report_command(CLI::App& app, const Common& common);
 void add_experiment_command(CLI::App& app, const Common& common);
+void add_sensor_command(CLI::App& app, const Common& common);
+void add_scenes_command(CLI::App& app, const Common& common);
+void add_symmetry_command(CLI::App& app, const Common& common);
 /// `failures` counts the scenes that could not be read; each was reported.
 void add_recognize_command(CLI::App& app, const Common& common, int& failures);
 

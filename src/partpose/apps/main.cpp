@@ -43,6 +43,10 @@ int main(int argc, char** argv) {
       "  partpose evaluate --dataset dataset/ --test dataset/  # how often is it right on views of a dataset\n"
       "  partpose captured scenes/ --models parts/             # and on captured scenes with ground truth\n"
       "  partpose report iterations/                           # a page to look at what --output wrote\n"
+      "  partpose scenes --models parts/ --output drawn/       # draw frames of parts on a table, with their poses\n"
+      "  partpose bop recognize toy/ -o partpose_toy-test.csv  # and on a dataset of the BOP benchmark's format\n"
+      "  partpose symmetry parts/flange.stl                    # the turns that map a part onto itself\n"
+      "  partpose ambiguity parts/ --camera camera.json        # views that do not tell the pose, or the part\n"
       "Exit codes: 0 done (also when nothing was recognized), 2 bad input or usage.");
 
   std::unique_ptr<ThreadLimit> limit;
@@ -54,6 +58,11 @@ int main(int argc, char** argv) {
   apps::add_experiment_command(app, common);
   apps::add_captured_command(app, common);
   apps::add_report_command(app, common);
+  apps::add_sensor_command(app, common);
+  apps::add_scenes_command(app, common);
+  apps::add_bop_commands(app, common);
+  apps::add_symmetry_command(app, common);
+  apps::add_ambiguity_command(app, common);
 
   try {
     app.parse(argc, argv);

@@ -5,18 +5,23 @@
 #include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/error.hpp"
 #include "partpose/core/random.hpp"
+#include "partpose/core/text.hpp"
 #include "partpose/geometry/normals.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace partpose {
 
 void NoiseOptions::check() const {
-  if (model != "none" && model != "gaussian" && model != "gaussianray")
-    throw Error("model \"{}\": must be \"none\", \"gaussian\" or \"gaussianray\"", model);
+  static const std::vector<std::string> models = {"none", "gaussian", "gaussianray", "stereo"};
+  if (std::find(models.begin(), models.end(), model) == models.end())
+    throw Error("model \"{}\": must be \"none\", \"gaussian\", \"gaussianray\" or \"stereo\"; did you mean \"{}\"?",
+                model, nearest_word(model, models));
   if (!(standard_deviation_mm >= 0) || !std::isfinite(standard_deviation_mm))
     throw Error("standard_deviation_mm {}: must be 0 or more", standard_deviation_mm);
+  if (stereo) stereo->check();
 }
 
 void VirtualDepthCameraOptions::check() const {
@@ -46,7 +51,8 @@ Eigen::Isometry3d look_at(const Eigen::Vector3d& position_mm, const Eigen::Vecto
 
 namespace {
 
-void add_noise(PointCloud& cloud, const std::vector<std::size_t>& pixel, const NoiseOptions& noise, Random frame_random) {
+void add_noise(PointCloud& cloud, const std::vector<std::size_t>& pixel, const NoiseOptions& noise,
+               Random frame_random) {
   const std::uint64_t frame_seed = frame_random.next();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     Random random(frame_seed, pixel[i]);
@@ -85,14 +91,24 @@ PointCloud capture(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_fro
   const Intrinsics camera = options.intrinsics();
   const Rendering rendering = render(mesh, camera_from_model, camera);
 
+  std::optional<StereoCapture> measured;
+  if (options.noise.model == "stereo") {
+    const auto sensor = options.noise.stereo.value_or(StereoSensorOptions{});
+    const DepthImage right = sensor.occlusion_shadow
+                                 ? render(mesh, right_from_left(sensor) * camera_from_model, camera).depth
+                                 : DepthImage{};
+    measured = stereo_capture(rendering.depth, right, camera, sensor, Random(options.noise_seed, frame).next());
+  }
+
   PointCloud cloud;
   std::vector<std::size_t> pixel;
   const Eigen::Matrix3f rotation = camera_from_model.linear().cast<float>();
   for (std::size_t p = 0; p < rendering.triangle.size(); ++p) {
-    if (rendering.triangle[p] < 0) continue;
+    const int seen = measured ? measured->surface_pixel[p] : static_cast<int>(p);
+    if (seen < 0 || rendering.triangle[seen] < 0) continue;
     const auto point = camera.unproject(static_cast<double>(p % camera.width), static_cast<double>(p / camera.width),
-                                        rendering.depth.z_mm[p]);
-    const Eigen::Vector3f normal = rotation * mesh.face_normal(rendering.triangle[p]);
+                                        measured ? measured->depth.z_mm[p] : rendering.depth.z_mm[p]);
+    const Eigen::Vector3f normal = rotation * mesh.face_normal(rendering.triangle[seen]);
     cloud.points.push_back(point);
     // What the camera sees faces the camera, even where the mesh's winding says otherwise.
     cloud.normals.push_back(normal.dot(point) > 0 ? Eigen::Vector3f(-normal) : normal);
@@ -101,7 +117,7 @@ PointCloud capture(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_fro
   cloud.curvatures.assign(cloud.size(), 0.0f);
   cloud.width = static_cast<int>(cloud.size());
   cloud.height = 1;
-  if (options.noise.model != "none" && options.noise.standard_deviation_mm > 0)
+  if (options.noise.model.starts_with("gaussian") && options.noise.standard_deviation_mm > 0)
     add_noise(cloud, pixel, options.noise, Random(options.noise_seed, frame));
   if (options.normals == "estimated") estimate_normals(cloud, options.normal_estimation_radius_mm);
   return organized ? organize(cloud, pixel, camera) : cloud;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/camera/stereo_sensor.hpp"
 #include "partpose/core/depth_image.hpp"
 #include "partpose/core/mesh.hpp"
 
@@ -17,12 +18,17 @@ namespace partpose {
 struct NoiseOptions {
   std::string model = "none";
   float standard_deviation_mm = 0;
+  std::optional<StereoSensorOptions> stereo = std::nullopt;
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("model", self.model,
-          "\"none\", \"gaussian\" (independent in x, y and z) or \"gaussianray\" (along the line of sight)");
-    visit("standard_deviation_mm", self.standard_deviation_mm, "standard deviation of the noise [mm], >= 0");
+          "\"none\", \"gaussian\" (independent in x, y and z), \"gaussianray\" (along the line of sight) or \"stereo\" "
+          "(a stereo "
+          "camera's errors)");
+    visit("standard_deviation_mm", self.standard_deviation_mm,
+          "standard deviation of the noise of \"gaussian\" and \"gaussianray\" [mm], >= 0");
+    visit("stereo", self.stereo, "the sensor of \"stereo\"; without it a D415");
   }
   void check() const;
 };
@@ -56,8 +62,10 @@ struct VirtualDepthCameraOptions {
 /// down (towards -z of the base where the line of sight leaves a choice).
 Eigen::Isometry3d look_at(const Eigen::Vector3d& position_mm, const Eigen::Vector3d& target_mm);
 
-/// One frame of a mesh: the visible points in the camera frame with unit normals, with noise. `frame` selects the noise:
-/// each frame of a camera has its own. Organized clouds have NaN where nothing is seen.
+/// One frame of a mesh: the visible points in the camera frame with unit normals, with noise. `frame` selects the
+/// noise: each frame of a camera has its own. Organized clouds have NaN where nothing is seen. With the noise model
+/// "stereo" the points are those of the measured depth image, and a "mesh" normal is that of the surface which was
+/// measured there.
 PointCloud capture(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
                    const VirtualDepthCameraOptions& options, bool organized, std::uint64_t frame = 0);
 

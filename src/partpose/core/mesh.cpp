@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/core/mesh.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <unordered_map>
+#include <utility>
 
 namespace partpose {
 
@@ -26,6 +28,21 @@ Eigen::AlignedBox3d bounding_box(const TriangleMesh& mesh) {
 double bounding_box_diagonal(const TriangleMesh& mesh) {
   const auto box = bounding_box(mesh);
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
+}
+
+double diameter(const TriangleMesh& mesh) {
+  if (mesh.vertices.empty()) return 0;
+  // From the farthest of the box's centre on: two vertices are no farther apart than their distances from it together.
+  const Eigen::Vector3d centre = bounding_box(mesh).center();
+  std::vector<std::pair<double, Eigen::Vector3d>> vertices;
+  for (const auto& v : mesh.vertices) vertices.emplace_back((v.cast<double>() - centre).norm(), v.cast<double>());
+  std::sort(vertices.begin(), vertices.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  double largest = 0;
+  constexpr double rounding = 1 + 1e-12;
+  for (std::size_t i = 0; i < vertices.size() && (vertices[i].first + vertices[0].first) * rounding > largest; ++i)
+    for (std::size_t j = 0; j < i && (vertices[i].first + vertices[j].first) * rounding > largest; ++j)
+      largest = std::max(largest, (vertices[i].second - vertices[j].second).norm());
+  return largest;
 }
 
 TriangleMesh with_merged_vertices(const TriangleMesh& mesh) {

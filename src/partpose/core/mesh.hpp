@@ -28,4 +28,7 @@ TriangleMesh with_merged_vertices(const TriangleMesh& mesh);
 /// The length of the bounding box's diagonal, in mm: the scale that size-relative options refer to.
 double bounding_box_diagonal(const TriangleMesh& mesh);
 
+/// The largest distance of two vertices, in mm; 0 for a mesh without vertices.
+double diameter(const TriangleMesh& mesh);
+
 }  // namespace partpose

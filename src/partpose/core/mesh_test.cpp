@@ -100,6 +100,26 @@ TEST(Shapes, AreClosedAndFaceOutwards) {
   }
 }
 
+TEST(Diameter, IsThatOfAnalyticShapes) {
+  EXPECT_DOUBLE_EQ(diameter(box({30, 40, 120})), 130);
+  EXPECT_EQ(diameter({}), 0);
+  EXPECT_EQ(diameter({{{1, 2, 3}}, {}}), 0);
+}
+
+TEST(Diameter, IsThatOfAllPairsOfVertices) {
+  Random random(7);
+  for (int k = 0; k < 20; ++k) {
+    TriangleMesh mesh;
+    for (int i = 0; i < 60; ++i)
+      mesh.vertices.push_back(
+          Eigen::Vector3d(49 * random.uniform(), 10 * random.uniform(), 31 * random.uniform()).cast<float>());
+    double largest = 0;
+    for (const auto& a : mesh.vertices)
+      for (const auto& b : mesh.vertices) largest = std::max(largest, (a.cast<double>() - b.cast<double>()).norm());
+    EXPECT_DOUBLE_EQ(diameter(mesh), largest);
+  }
+}
+
 TEST(Shapes, SurfacePointsLieOnTheSurface) {
   Random random(1);
   const auto mesh = l_bracket();

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <mutex>
 #include <set>
 
@@ -34,6 +35,8 @@ void IcosahedronOptions::check() const {
 void DatasetPreparationConfig::check() const {
   virtual_depth_camera.check();
   virtual_views_icosahedron.check();
+  if (symmetry_tolerance_mm && !(*symmetry_tolerance_mm > 0))
+    throw Error("symmetry_tolerance_mm {}: must be positive", *symmetry_tolerance_mm);
 }
 
 std::vector<DatasetView> icosahedron_views(const IcosahedronOptions& options) {
@@ -66,6 +69,7 @@ Eigen::Isometry3d Dataset::camera_from_model(std::size_t model_index, std::size_
 namespace {
 
 const char* const dataset_file = "dataset.json";
+const char* const models_info_file = "models_info.json";
 
 template <typename T>
 void check_ids(const std::vector<T>& items, const char* what, const fs::path& file) {
@@ -97,9 +101,62 @@ void write_views(const Dataset& dataset, const std::vector<std::size_t>& model_i
   }
 }
 
+/// What the user says of the models, by their place in the dataset.
+std::map<std::size_t, ModelSymmetries> given_symmetries(const DatasetOut& out) {
+  std::map<std::size_t, ModelSymmetries> given;
+  if (!out.dataset_preparation_config.symmetries) return given;
+  const fs::path path = *out.dataset_preparation_config.symmetries;
+  std::vector<std::string> names;
+  for (const auto& model : out.models) names.push_back(model.name);
+  for (const auto& [key, info] : read_models_info(path)) {
+    auto model = std::find_if(out.models.begin(), out.models.end(),
+                              [&key = key](const DatasetModel& m) { return m.name == key; });
+    if (model == out.models.end())
+      model = std::find_if(out.models.begin(), out.models.end(),
+                           [&key = key](const DatasetModel& m) { return std::to_string(m.id) == key; });
+    if (model == out.models.end()) continue;  // a file may tell of more parts than this dataset has
+    auto symmetries = info.symmetries;
+    symmetries.symmetry_tolerance_mm.reset();  // given, not found in this mesh
+    symmetries.symmetry_deviation_mm.reset();
+    given[model - out.models.begin()] = symmetries;
+  }
+  if (given.empty())
+    throw Error("{}: tells of none of the models; its keys must be names such as \"{}\", or ids", path.string(), names[0]);
+  return given;
+}
+
+void add_symmetries(Dataset& dataset, const std::vector<std::size_t>& model_indices,
+                    const std::map<std::size_t, ModelSymmetries>& given, const Progress& progress) {
+  std::size_t done = 0;
+  std::mutex progress_mutex;
+  parallel_for(model_indices.size(), [&](std::size_t i) {
+    auto& model = dataset.out.models[model_indices[i]];
+    if (const auto known = given.find(model_indices[i]); known != given.end()) {
+      model.symmetries = known->second;
+    } else {
+      try {
+        model.symmetries = ModelSymmetries::of(search_symmetries(
+            read_stl(dataset.mesh_path(model.id)), dataset.out.dataset_preparation_config.symmetry_tolerance_mm));
+      } catch (const Error& error) {
+        throw Error("model \"{}\": {}", model.name, error.what());
+      }
+    }
+    const std::lock_guard lock(progress_mutex);
+    if (progress) progress("finding symmetries", ++done, model_indices.size());
+  });
+}
+
+void write_models_info(const Dataset& dataset) {
+  Json infos = Json::object();
+  for (const auto& model : dataset.out.models)
+    infos[std::to_string(model.id)] =
+        to_json(ModelInfo::of(model.name, read_stl(dataset.mesh_path(model.id)), model.symmetries));
+  write_json_file(dataset.folder / models_info_file, infos);
+}
+
 /// Whether a folder holds a dataset and nothing but a dataset, so that replacing it loses nothing of the user's.
 bool is_only_a_dataset(const fs::path& folder) {
-  static const std::set<std::string> ours = {dataset_file, "descriptors", "models"};
+  static const std::set<std::string> ours = {dataset_file, models_info_file, "descriptors", "models"};
   bool found = false;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
@@ -182,7 +239,8 @@ Dataset create_dataset(const DatasetPreparationConfig& config, const std::vector
     const std::string bytes = read_file(path);
     const TriangleMesh mesh = parse_stl(bytes, path.string());
     check_size(mesh, config, path);
-    DatasetModel model{centred_from_model(mesh), static_cast<int>(all.size()), path.stem().string(), content_hash(bytes)};
+    DatasetModel model{centred_from_model(mesh), static_cast<int>(all.size()), path.stem().string(),
+                       content_hash(bytes), {}};
     if (!names.insert(model.name).second)
       throw Error("{}: another model is already named \"{}\"; a part is known by its file's name", path.string(), model.name);
     fs::create_directories(dataset.model_folder(model.id));
@@ -190,6 +248,8 @@ Dataset create_dataset(const DatasetPreparationConfig& config, const std::vector
     all.push_back(all.size());
     dataset.out.models.push_back(std::move(model));
   }
+  add_symmetries(dataset, all, given_symmetries(dataset.out), progress);
+  write_models_info(dataset);
   write_views(dataset, all, progress);
   fs::create_directories(dataset.folder / "descriptors");
   write_json(dataset.folder / dataset_file, dataset.out);
@@ -217,6 +277,13 @@ int refresh_dataset(Dataset& dataset, const Progress& progress) {
     changed.push_back(m);
   }
   if (!changed.empty()) {
+    std::vector<std::size_t> searched;
+    for (const std::size_t m : changed)
+      if (const auto& s = dataset.out.models[m].symmetries;
+          s.symmetry_tolerance_mm || !(s.symmetries_discrete || s.symmetries_continuous))
+        searched.push_back(m);
+    add_symmetries(dataset, searched, {}, progress);
+    write_models_info(dataset);
     write_views(dataset, changed, progress);
     write_json(dataset.folder / dataset_file, dataset.out);
   }

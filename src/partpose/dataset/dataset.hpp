@@ -5,6 +5,7 @@
 #include "partpose/camera/virtual_depth_camera.hpp"
 #include "partpose/core/mesh.hpp"
 #include "partpose/core/progress.hpp"
+#include "partpose/dataset/model_info.hpp"
 
 #include <Eigen/Geometry>
 
@@ -39,6 +40,8 @@ struct DatasetPreparationConfig {
   VirtualDepthCameraOptions virtual_depth_camera;
   bool organized_output = false;
   IcosahedronOptions virtual_views_icosahedron;
+  std::optional<std::string> symmetries;  ///< a path; relative ones in a file are relative to that file's folder
+  std::optional<double> symmetry_tolerance_mm;
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
@@ -46,6 +49,10 @@ struct DatasetPreparationConfig {
     visit("virtual_depth_camera", self.virtual_depth_camera, "the camera that takes the views");
     visit("organized_output", self.organized_output, "views keep the image's rows and columns (larger files)");
     visit("virtual_views_icosahedron", self.virtual_views_icosahedron, "where the camera stands");
+    visit("symmetries", self.symmetries,
+          "a JSON like BOP's models_info.json, by the parts' names or ids: what it says of a part is not searched for");
+    visit("symmetry_tolerance_mm", self.symmetry_tolerance_mm,
+          "largest distance between a surface and its turned copy [mm], > 0; absent: by the part's size");
   }
   void check() const;
   bool organized() const { return virtual_depth_camera.organized_output.value_or(organized_output); }
@@ -67,6 +74,7 @@ struct DatasetModel {
   int id = 0;
   std::string name;
   std::optional<std::string> mesh_hash;  ///< of mesh.stl when its views were rendered; none if another program did
+  ModelSymmetries symmetries;            ///< model frame; empty in older datasets
 
   static constexpr bool all_keys_required = true;
   template <typename Self, typename Visit>
@@ -75,7 +83,9 @@ struct DatasetModel {
     visit("id", self.id, "names the folder under models/");
     visit("name", self.name, "the STL file's name without its ending");
     visit("mesh_hash", self.mesh_hash, "tells whether mesh.stl changed since its views were rendered");
+    ModelSymmetries::describe(self.symmetries, visit);
   }
+  void check() const { symmetries.check(); }
 };
 
 struct DatasetView {
@@ -126,13 +136,15 @@ struct Dataset {
 /// Reads and checks dataset.json. Throws Error when the folder is not a complete dataset.
 Dataset open_dataset(const std::filesystem::path& folder);
 
-/// Renders all views of all models and writes the folder: beside `folder` first, then renamed, so that a half-written
+/// Finds the symmetries of all models, renders their views and writes the folder: beside `folder` first, then renamed, so that a half-written
 /// dataset is never seen. An older dataset at `folder` is replaced; anything else there is an Error.
-/// Throws Error for no models, for two of the same name, and for STL files that cannot be read.
+/// Throws Error for no models, for two of the same name, for STL files that cannot be read, and for a file of symmetries
+/// that names none of the models.
 Dataset create_dataset(const DatasetPreparationConfig& config, const std::vector<std::filesystem::path>& model_paths,
                        const std::filesystem::path& folder, const Progress& progress = {});
 
-/// Renders the views of those models again whose mesh.stl changed since. Returns how many there were.
+/// Renders the views of those models again whose mesh.stl changed since, and finds their symmetries again unless they
+/// were given. Returns how many there were.
 int refresh_dataset(Dataset& dataset, const Progress& progress = {});
 
 /// The paths of a model list, made relative to the list's own folder.

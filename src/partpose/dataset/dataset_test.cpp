@@ -140,7 +140,8 @@ TEST(CreateDataset, HasTheLayoutOfTheReference) {
   const TempFolder folder;
   const auto dataset = create_dataset(small_config(), two_parts(folder), folder / "set");
   EXPECT_EQ(dataset.folder, folder / "set");
-  EXPECT_EQ(names_in(folder / "set"), (std::set<std::string>{"dataset.json", "descriptors", "models"}));
+  EXPECT_EQ(names_in(folder / "set"),
+            (std::set<std::string>{"dataset.json", "descriptors", "models", "models_info.json"}));
   EXPECT_TRUE(fs::is_empty(folder / "set/descriptors"));
   EXPECT_EQ(names_in(folder / "set/models"), (std::set<std::string>{"0000", "0001"}));
   for (const std::string model : {"set/models/0000", "set/models/0001"}) {
@@ -215,7 +216,7 @@ TEST(CreateDataset, SameBytesForAnyNumberOfThreadsAndOtherNoiseInEachView) {
     return files_below(folder / name);
   };
   const auto one = create(1, "one"), two = create(2, "two");
-  EXPECT_EQ(one.size(), 1 + 3 * 13);
+  EXPECT_EQ(one.size(), 2 + 3 * 13);
   EXPECT_EQ(one, two);
   std::set<std::string> contents;
   for (const auto& [name, bytes] : one)
@@ -229,6 +230,10 @@ TEST(CreateDataset, TellsItsProgress) {
   create_dataset(small_config(), two_parts(folder), folder / "set",
                  [&](std::string_view what, std::size_t done, std::size_t total) {
                    EXPECT_FALSE(what.empty());
+                   if (what == "finding symmetries") {
+                     EXPECT_EQ(total, 2);
+                     return;
+                   }
                    EXPECT_EQ(total, 24);
                    steps.push_back(done);
                  });
@@ -264,7 +269,8 @@ TEST(CreateDataset, AFailureLeavesEverythingAsItWas) {
     auto after = files_below(folder / "");
     after.erase("broken.stl");
     EXPECT_EQ(after, before) << message;
-    EXPECT_EQ(names_in(folder / "set"), (std::set<std::string>{"dataset.json", "descriptors", "models"}));
+    EXPECT_EQ(names_in(folder / "set"),
+              (std::set<std::string>{"dataset.json", "descriptors", "models", "models_info.json"}));
     for (const auto& name : names_in(folder / "")) EXPECT_FALSE(name.starts_with("set.")) << name;
     return message;
   };
@@ -405,6 +411,23 @@ TEST(ModelList, PathsAreRelativeToTheList) {
   EXPECT_EQ(paths[2], "/far/c.stl");
   EXPECT_CONTAINS(error_of([&] { read_model_list(folder.file("empty.json", "{}")); }),
                   "key \"model_paths\" is missing");
+}
+
+TEST(DatasetConfig, StereoNoiseHasItsOwnSection) {
+  const auto read = [](const char* noise) {
+    return from_json<DatasetPreparationConfig>(
+        Json::parse(fmt::format("{{\"virtual_depth_camera\": {{\"noise\": {}}}}}", noise)));
+  };
+  EXPECT_FALSE(read("{\"model\": \"gaussian\"}").virtual_depth_camera.noise.stereo) << "old files say nothing of it";
+  const auto config = read("{\"model\": \"stereo\", \"stereo\": {\"disparity_noise_px\": 0.05}}");
+  EXPECT_EQ(config.virtual_depth_camera.noise.stereo->disparity_noise_px, 0.05);
+  EXPECT_EQ(config.virtual_depth_camera.noise.stereo->baseline_mm, 55);
+  EXPECT_EQ(to_json(from_json<DatasetPreparationConfig>(to_json(config))), to_json(config));
+  EXPECT_FALSE(to_json(read("{}"))["virtual_depth_camera"]["noise"].contains("stereo"));
+  const auto message = [&](const char* noise) { return shapes::error_of([&] { read(noise); }); };
+  EXPECT_PRED2(shapes::mentions, message("{\"model\": \"sterio\"}"), "did you mean \"stereo\"");
+  EXPECT_PRED2(shapes::mentions, message("{\"stereo\": {\"baseline\": 55}}"), "did you mean \"baseline_mm\"");
+  EXPECT_PRED2(shapes::mentions, message("{\"stereo\": {\"baseline_mm\": -5}}"), "noise.stereo: baseline_mm -5");
 }
 
 }  // namespace

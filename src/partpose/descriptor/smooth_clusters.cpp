@@ -8,10 +8,10 @@
 #include "partpose/geometry/point_grid.hpp"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
-#include <numeric>
 #include <tuple>
 
 namespace partpose {
@@ -88,6 +88,12 @@ class UntakenPoints {
   std::vector<Point> points_;
 };
 
+/// Bits that rise with the number, negative ones included; -0 and 0 are the same.
+std::uint32_t rising_bits(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value + 0.f);
+  return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
+
 }  // namespace
 
 void SmoothClusterLimits::check() const {
@@ -104,28 +110,26 @@ float cosine_limit(float angle_rad) { return angle_rad < std::numbers::pi_v<floa
 PointCloud sorted_by_position(const PointCloud& cloud) {
   if (cloud.empty()) return {};
   if (!cloud.has_normals()) throw Error("the descriptor needs normals: estimate them first");
-  using Key = std::array<float, 6>;
-  const auto key_of = [&](int i) {
-    const auto &p = cloud.points[i], &n = cloud.normals[i];
-    return Key{p.x(), p.y(), p.z(), n.x(), n.y(), n.z()};
+  std::vector<int> finite;
+  std::vector<std::uint64_t> keys;
+  finite.reserve(cloud.size());
+  keys.reserve(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.points[i].allFinite() || !cloud.normals[i].allFinite()) continue;
+    finite.push_back(static_cast<int>(i));
+    keys.push_back(std::uint64_t{rising_bits(cloud.points[i].x())} << 32 | rising_bits(cloud.points[i].y()));
+  }
+  auto order = order_by_key(keys);
+  const auto rest_of = [&](int i) {
+    const auto &p = cloud.points[finite[i]], &n = cloud.normals[finite[i]];
+    return std::tuple(p.z(), n.x(), n.y(), n.z());
   };
-  struct Item {
-    float x, y;
-    int index;
-  };
-  std::vector<Item> items;
-  items.reserve(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (cloud.points[i].allFinite() && cloud.normals[i].allFinite())
-      items.push_back({cloud.points[i].x(), cloud.points[i].y(), static_cast<int>(i)});
-  std::sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
-    if (a.x != b.x) return a.x < b.x;
-    if (a.y != b.y) return a.y < b.y;
-    return key_of(a.index) < key_of(b.index);
-  });
-  std::vector<int> order;
-  order.reserve(items.size());
-  for (const auto& item : items) order.push_back(item.index);
+  for (auto begin = order.begin(); begin != order.end();) {
+    const auto end = std::find_if(begin, order.end(), [&](int i) { return keys[i] != keys[*begin]; });
+    if (end - begin > 1) std::sort(begin, end, [&](int a, int b) { return rest_of(a) < rest_of(b); });
+    begin = end;
+  }
+  for (int& i : order) i = finite[i];
   auto sorted = select(cloud, order);
   if (!sorted.has_curvatures()) sorted.curvatures.assign(sorted.size(), 0.f);
   return sorted;

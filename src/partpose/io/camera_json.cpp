@@ -13,6 +13,8 @@ void CameraFile::check() const {
   intrinsics.check();
   if (!(depth_scale_mm > 0) || !std::isfinite(depth_scale_mm))
     throw Error("depth_scale_mm {}: must be positive", depth_scale_mm);
+  if (baseline_mm && (!(*baseline_mm > 0) || !std::isfinite(*baseline_mm)))
+    throw Error("baseline_mm {}: must be positive", *baseline_mm);
 }
 
 CameraFile read_camera(const std::filesystem::path& path) { return read_json<CameraFile>(path); }

@@ -5,13 +5,16 @@
 #include "partpose/core/depth_image.hpp"
 
 #include <filesystem>
+#include <optional>
 
 namespace partpose {
 
-/// What a camera JSON says: {"width", "height", "fx", "fy", "cx", "cy", "depth_scale_mm"}, all in px but the last.
+/// What a camera JSON says: {"width", "height", "fx", "fy", "cx", "cy", "depth_scale_mm"}, all in px but the last; and,
+/// for a stereo camera, perhaps "baseline_mm".
 struct CameraFile {
   Intrinsics intrinsics;
-  double depth_scale_mm = 1;  ///< mm for each unit of the depth image
+  double depth_scale_mm = 1;          ///< mm for each unit of the depth image
+  std::optional<double> baseline_mm;  ///< between a stereo camera's imagers
 
   static constexpr bool all_keys_required = true;
   template <typename Self, typename Visit>
@@ -23,6 +26,7 @@ struct CameraFile {
     visit("cx", self.intrinsics.cx, "principal point in x [px], pixel centres at integers");
     visit("cy", self.intrinsics.cy, "principal point in y [px], pixel centres at integers");
     visit("depth_scale_mm", self.depth_scale_mm, "length of one unit of the depth image [mm]");
+    visit("baseline_mm", self.baseline_mm, "distance between a stereo camera's imagers [mm]");
   }
   void check() const;
 };

@@ -167,6 +167,13 @@ class BinaryBody {
     return *number;
   }
 
+  std::size_t index(Type type, std::size_t count) {
+    const double index = value(type);
+    if (!(index >= 0 && index < static_cast<double>(count)))
+      fail(type, fmt::format("vertex {} of {} does not exist", index, count));
+    return static_cast<std::size_t>(index);
+  }
+
   std::size_t list_length(Type type) {
     const double length = value(type);
     if (length < 0) fail(type, fmt::format("a list of {} values", length));
@@ -236,6 +243,13 @@ class AsciiBody {
     return *number;
   }
 
+  std::size_t index(Type, std::size_t count) {
+    const auto word = this->word();
+    const auto index = count > 0 ? parse_count(word, count - 1) : std::nullopt;
+    if (!index) text_.fail("{}: {} where one of {} vertices is expected", place_.words(), in_quotes(word), count);
+    return *index;
+  }
+
   std::size_t list_length(Type) {
     const auto word = this->word();
     const auto length = parse_count(word, std::numeric_limits<std::uint32_t>::max());
@@ -260,8 +274,29 @@ class AsciiBody {
   bool line_begins_ = true;
 };
 
+bool is_corners(const Element& element, const Property& property) {
+  return element.name == "face" && property.count_type &&
+         (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+/// Polygons become fans of triangles.
 template <typename Body>
-PointCloud read_body(const Header& header, Body body, std::size_t bytes) {
+void read_polygon(Body& body, const Property& property, std::size_t vertices,
+                  std::vector<std::array<int, 3>>& triangles) {
+  const std::size_t corners = body.list_length(*property.count_type);
+  std::array<int, 3> fan = {};
+  for (std::size_t k = 0; k < corners; ++k) {
+    fan[std::min<std::size_t>(k, 2)] = static_cast<int>(body.index(property.type, vertices));
+    if (k < 2) continue;
+    triangles.push_back(fan);
+    fan[1] = fan[2];
+  }
+}
+
+/// `triangles` takes the polygons of the element "face"; may be null.
+template <typename Body>
+PointCloud read_body(const Header& header, Body body, std::size_t bytes,
+                     std::vector<std::array<int, 3>>* triangles = nullptr) {
   PointCloud cloud;
   const auto& vertex = header.elements[header.vertex];
   cloud.points.reserve(std::min(vertex.count, bytes / 3));  // a vertex has 3 bytes or more, whatever the header claims
@@ -271,7 +306,9 @@ PointCloud read_body(const Header& header, Body body, std::size_t bytes) {
     for (std::size_t row = 0; row < element.count; ++row) {
       body.begin_row({element.name, row, element.count});
       for (const auto& property : element.properties) {
-        if (property.count_type)
+        if (triangles && is_corners(element, property))
+          read_polygon(body, property, vertex.count, *triangles);
+        else if (property.count_type)
           body.skip(property.type, body.list_length(*property.count_type));
         else if (property.target < 0)
           body.skip(property.type, 1);
@@ -292,13 +329,58 @@ PointCloud read_body(const Header& header, Body body, std::size_t bytes) {
 
 }  // namespace
 
-PointCloud read_ply(const std::filesystem::path& path) {
+namespace {
+
+PointCloud read(const std::filesystem::path& path, std::vector<std::array<int, 3>>* triangles) {
   const std::string bytes = read_file(path), name = path.string();
   TextReader text(bytes, name);
   const Header header = parse_header(text);
-  if (header.format == "ascii") return read_body(header, AsciiBody(text), bytes.size());
+  if (header.format == "ascii") return read_body(header, AsciiBody(text), bytes.size(), triangles);
   const auto order = header.format == "binary_big_endian" ? std::endian::big : std::endian::little;
-  return read_body(header, BinaryBody(bytes, name, header.data_begin, order), bytes.size());
+  return read_body(header, BinaryBody(bytes, name, header.data_begin, order), bytes.size(), triangles);
+}
+
+}  // namespace
+
+PointCloud read_ply(const std::filesystem::path& path) { return read(path, nullptr); }
+
+TriangleMesh read_ply_mesh(const std::filesystem::path& path) {
+  TriangleMesh mesh;
+  mesh.vertices = read(path, &mesh.triangles).points;
+  if (mesh.triangles.empty())
+    throw Error("{}: has no triangles: an element 'face' with a list 'vertex_indices' is needed", path.string());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    if (!mesh.vertices[i].allFinite())
+      throw Error("{}: element 'vertex', {} of {}: a coordinate is not finite", path.string(), i, mesh.vertices.size());
+  return mesh;
+}
+
+void write_ply_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  std::vector<Eigen::Vector3d> normals(mesh.vertices.size(), Eigen::Vector3d::Zero());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    std::array<Eigen::Vector3d, 3> corner;
+    for (int k = 0; k < 3; ++k) {
+      const int index = mesh.triangles[t][k];
+      if (index < 0 || static_cast<std::size_t>(index) >= mesh.vertices.size())
+        throw Error("{}: triangle {} has vertex {} of {}", path.string(), t, index, mesh.vertices.size());
+      corner[k] = mesh.vertices[index].cast<double>();
+    }
+    const Eigen::Vector3d area = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+    for (const int index : mesh.triangles[t]) normals[index] += area;
+  }
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\ncomment millimetres\nelement vertex {}\nproperty float x\nproperty float y\n"
+      "property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face {}\n"
+      "property list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(), mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Eigen::Vector3f& p = mesh.vertices[i];
+    if (!p.allFinite()) throw Error("{}: vertex {} is not finite", path.string(), i);
+    const Eigen::Vector3f n = normals[i].normalized().cast<float>();  // of no area: zero
+    text += fmt::format("{} {} {} {} {} {}\n", p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
+  }
+  for (const auto& [a, b, c] : mesh.triangles) text += fmt::format("3 {} {} {}\n", a, b, c);
+  write_file_atomically(path, text);
 }
 
 void write_ply(const std::filesystem::path& path, const PointCloud& cloud, const PlyOptions& options) {

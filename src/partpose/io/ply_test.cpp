@@ -228,5 +228,73 @@ TEST(Ply, SurvivesDamage) {
     survive_damage(bytes, [](const auto& path) { return read_ply(path); });
 }
 
+/// A pyramid: a square and four triangles.
+const std::string pyramid =
+    "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+    "property uchar red\nelement face 5\nproperty list uchar int vertex_index\nproperty int flag\nend_header\n"
+    "0 0 0 1\n2 0 0 1\n2 2 0 1\n0 2 0 1\n1 1 3 1\n4 3 2 1 0 9\n3 0 1 4 9\n3 1 2 4 9\n3 2 3 4 9\n3 3 0 4 9\n";
+
+TEST(PlyMesh, PolygonsBecomeFans) {
+  const TempFolder folder;
+  const TriangleMesh mesh = read_ply_mesh(folder.file("a.ply", pyramid));
+  ASSERT_EQ(mesh.vertices.size(), 5);
+  EXPECT_EQ(mesh.vertices[4], Eigen::Vector3f(1, 1, 3));
+  EXPECT_EQ(mesh.triangles,
+            (std::vector<std::array<int, 3>>{{3, 2, 1}, {3, 1, 0}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}));
+  EXPECT_EQ(read_ply(folder / "a.ply").size(), 5) << "as a cloud: the vertices";
+}
+
+TEST(PlyMesh, BinaryIsReadAlike) {
+  const TempFolder folder;
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar uint vertex_indices\nend_header\n";
+  for (int i = 0; i < 3; ++i) bytes += as_bytes(1.5 * i) + as_bytes(float(i * i)) + as_bytes(2.f);
+  bytes += as_bytes(std::uint8_t{3});
+  for (const std::uint32_t i : {2, 0, 1}) bytes += as_bytes(i);
+  const TriangleMesh mesh = read_ply_mesh(folder.file("a.ply", bytes));
+  EXPECT_EQ(mesh.vertices[2], Eigen::Vector3f(3, 4, 2));
+  EXPECT_EQ(mesh.triangles, (std::vector<std::array<int, 3>>{{2, 0, 1}}));
+  bytes[bytes.size() - 4] = 3;
+  EXPECT_CONTAINS(error_of([&] { read_ply_mesh(folder.file("b.ply", bytes)); }), "vertex 3 of 3 does not exist");
+}
+
+TEST(PlyMesh, RoundTripKeepsBitsAndWritesUnitNormals) {
+  const TempFolder folder;
+  TriangleMesh mesh = read_ply_mesh(folder.file("a.ply", pyramid));
+  mesh.vertices[0].x() = 0.1f / 3;
+  mesh.vertices[1].y() = -1.17549435e-38f;
+  write_ply_mesh(folder / "b.ply", mesh);
+  const TriangleMesh again = read_ply_mesh(folder / "b.ply");
+  EXPECT_TRUE(same_bits(again.vertices, mesh.vertices));
+  EXPECT_EQ(again.triangles, mesh.triangles);
+  const PointCloud cloud = read_ply(folder / "b.ply");
+  ASSERT_EQ(cloud.normals.size(), 5);
+  for (const auto& n : cloud.normals) EXPECT_NEAR(n.norm(), 1, 1e-6);
+  EXPECT_GT(cloud.normals[4].z(), 0.99f);
+}
+
+TEST(PlyMesh, RefusesWhatIsNoMesh) {
+  const TempFolder folder;
+  const auto refused = [&](const std::string& from, const std::string& to) {
+    return error_of([&] { read_ply_mesh(folder.file("a.ply", replaced(pyramid, from, to))); });
+  };
+  EXPECT_CONTAINS(refused("element face 5", "element faces 5"), "has no triangles");
+  EXPECT_CONTAINS(refused("3 0 1 4 9", "3 0 1 5 9"), "'5' where one of 5 vertices is expected");
+  EXPECT_CONTAINS(refused("3 0 1 4 9", "3 0 -1 4 9"), "'-1' where one of 5 vertices is expected");
+  EXPECT_CONTAINS(refused("3 0 1 4 9", "4 0 1 4 9"), "'9' where one of 5 vertices is expected");
+  EXPECT_CONTAINS(refused("1 1 3 1", "1 1 nan 1"), "a coordinate is not finite");
+  TriangleMesh mesh = read_ply_mesh(folder.file("a.ply", pyramid));
+  mesh.triangles[0][1] = 5;
+  EXPECT_CONTAINS(error_of([&] { write_ply_mesh(folder / "b.ply", mesh); }), "triangle 0 has vertex 5 of 5");
+  mesh.triangles[0][1] = 0;
+  mesh.vertices[2].x() = std::numeric_limits<float>::infinity();
+  EXPECT_CONTAINS(error_of([&] { write_ply_mesh(folder / "b.ply", mesh); }), "vertex 2 is not finite");
+}
+
+TEST(PlyMesh, SurvivesDamage) {
+  survive_damage(pyramid, [](const auto& path) { return read_ply_mesh(path); });
+}
+
 }  // namespace
 }  // namespace partpose

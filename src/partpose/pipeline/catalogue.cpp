@@ -5,6 +5,7 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/hash.hpp"
 #include "partpose/core/parallel.hpp"
+#include "partpose/core/random.hpp"
 #include "partpose/descriptor/descriptors.hpp"
 #include "partpose/geometry/voxel_grid.hpp"
 #include "partpose/io/json.hpp"
@@ -20,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raised whenever the offline stage computes something else from the same input.
-constexpr int format_version = 2;
+constexpr int format_version = 3;
 
 /// Which view a row of the descriptor file belongs to, in the rows' order, and what it was measured on.
 struct DescriptorReference {
@@ -104,6 +105,12 @@ struct Stored {
   PointCloud clouds;  ///< the refinement clouds of all views, one behind the other
 };
 
+/// Independent Gaussian noise along the ray of each point.
+PointCloud with_noise(PointCloud cloud, float sigma_mm, Random random) {
+  for (auto& p : cloud.points) p += static_cast<float>(sigma_mm * random.normal_pair().first) * p.normalized();
+  return cloud;
+}
+
 Stored compute(const Dataset& dataset, const GlobalPipelineConfig& config, const Progress& progress) {
   const auto descriptor = make_global_descriptor(config.global_descriptor, config.descriptors);
   const std::size_t view_count = dataset.out.views.size(), count = dataset.out.models.size() * view_count;
@@ -119,9 +126,14 @@ Stored compute(const Dataset& dataset, const GlobalPipelineConfig& config, const
     const PointCloud view =
         read_pcd(dataset.view_path(dataset.out.models[i / view_count].id, dataset.out.views[i % view_count].id));
     OfView& out = of_view[i];
+    const auto& levels = config.database.noise_levels_mm;
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+      const PointCloud noisy = levels[level] > 0 ? with_noise(view, levels[level], Random(level, i)) : view;
+      auto descriptions = descriptor->describe(comparable_view(noisy, config));
+      std::move(descriptions.begin(), descriptions.end(), std::back_inserter(out.descriptions));
+    }
     PointCloud prepared = comparable_view(view, config);
     out.num_of_points = static_cast<int>(without_missing(view).size());
-    out.descriptions = descriptor->describe(prepared);
     out.cloud = config.pose_refinement.voxelize_view ? voxel_grid(prepared, config.pose_refinement.voxel_size)
                                                      : std::move(prepared);
     const std::lock_guard lock(progress_mutex);

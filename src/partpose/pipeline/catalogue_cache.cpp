@@ -14,8 +14,8 @@ namespace partpose {
 namespace fs = std::filesystem;
 
 namespace {
-/// Raised whenever the same mesh gives other views.
-constexpr int renderer_version = 1;
+/// Raised whenever the same mesh gives other views, or more is known of it.
+constexpr int renderer_version = 2;
 }  // namespace
 
 fs::path default_cache_folder() {

@@ -9,6 +9,7 @@
 #include "partpose/verification/greedy_verification.hpp"
 
 #include <string>
+#include <vector>
 
 namespace partpose {
 
@@ -58,12 +59,15 @@ struct DebugOptions {
 /// How the dataset's views are made comparable with a scene.
 struct DatabaseOptions {
   std::string normals = "estimated";
+  std::vector<float> noise_levels_mm = {0, 1.5f, 3};
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("normals", self.normals,
           "\"estimated\": the views go through the scene's voxel grid and normal estimation; "
           "\"mesh\": as they are in the dataset, as the reference does");
+    visit("noise_levels_mm", self.noise_levels_mm,
+          "each view is described once with noise of each of these standard deviations along its rays [mm], >= 0");
   }
   void check() const;
 };

@@ -11,7 +11,9 @@ GlobalPipelineConfig read_pipeline_config(const std::filesystem::path& path) {
 }
 
 DatasetPreparationConfig read_dataset_config(const std::filesystem::path& path) {
-  return read_json<DatasetPreparationConfig>(path);
+  auto config = read_json<DatasetPreparationConfig>(path);
+  if (config.symmetries) config.symmetries = (path.parent_path() / *config.symmetries).string();
+  return config;
 }
 
 }  // namespace partpose

@@ -212,6 +212,7 @@ struct Recognizer::Impl {
 
 GlobalPipelineConfig Recognizer::catalogue_config() {
   GlobalPipelineConfig config;
+  config.database.noise_levels_mm = {0};  // its shortlist is long enough without
   config.debug.save_extras_json = true;
   config.debug.save_point_clouds = true;
   return config;
