@@ -7,7 +7,7 @@ install(TARGETS partpose ${rooms} EXPORT partposeTargets
 install(TARGETS partpose_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY src/partpose DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         FILES_MATCHING PATTERN "*.hpp" PATTERN "apps" EXCLUDE PATTERN "testing.hpp" EXCLUDE
-        PATTERN "json.hpp" EXCLUDE)  # of use within the library alone, which hides its JSON library
+        PATTERN "json.hpp" EXCLUDE PATTERN "packet.hpp" EXCLUDE)  # of use within the library alone, which hides its JSON library
 install(DIRECTORY configs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/partpose/configs FILES_MATCHING PATTERN "*.json")
 install(EXPORT partposeTargets NAMESPACE partpose:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/partpose)
 configure_package_config_file(cmake/partposeConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/partposeConfig.cmake

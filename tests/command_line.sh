@@ -51,7 +51,7 @@ camera='"width": 640, "height": 480, "fx": 615, "fy": 615, "cx": 319.5, "cy": 23
 echo "-- what works"
 good "version" --version
 good "help" --help
-for command in recognize dataset index evaluate captured scenes experiment sensor symmetry ambiguity; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
+for command in recognize dataset index evaluate captured scenes experiment sensor symmetry ambiguity report; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
 good "recognize a frame" recognize --models parts --jsonl lines.jsonl --pictures pictures "$frame"
 grep -q '"model_name":"bracket"' lines.jsonl || fail "the bracket was not recognized: $(cat lines.jsonl)"
 for key in scene T_final match_distance icp_fitness time_ms; do grep -q "\"$key\":" lines.jsonl || fail "no $key in the JSON line"; done
@@ -73,6 +73,22 @@ good "evaluate" evaluate --dataset small --test small --config "$root/configs/pi
 [ "$(ls evaluated/*/evaluation.json evaluated/*/evaluation_dataset.json | wc -l)" -eq 48 ] || fail "evaluation.json is missing"
 good "dataset without configuration" recognize --dataset dataset --jsonl lines.jsonl "$frame"
 good "captured set" captured "$root/scenes" --models "$root/parts" --kind instance
+good "captured set with folders" captured "$root/scenes" --models "$root/parts" --kind instance --output captured
+[ "$(ls captured/*/evaluation.json | wc -l)" -ge 1 ] || fail "captured: evaluation.json is missing"
+for folder in iterations clouds evaluated captured; do
+  good "report of $folder" report $folder
+  [ "$(stat -c %s $folder/report.html)" -gt 500000 ] || fail "$folder/report.html is too small"
+done
+sed 's/"visualize_flag": false/"visualize_flag": true/; s/"pose_refinement": false/"pose_refinement": true/' "$root/configs/pipeline_virtual.json" >visualize.json
+good "visualize" recognize --dataset dataset --config visualize.json --output visualized dataset/models/0001/views/0007.pcd
+for file in report.html visualize_pose_refinement.png scene_preprocessed.ply extras.json; do [ -s visualized/*/$file ] || fail "visualized/*/$file is missing"; done
+[ -s visualized/meshes/link_*.stl ] || fail "visualized/meshes/ is missing"
+
+echo "-- bad reports"
+bad "report of nothing" "no such folder" report nowhere
+mkdir no_output && bad "report of another folder" "no iteration folder" report no_output
+bad "report to nowhere" "cannot be written" report captured --output nowhere/report.html
+bad "report without a limit" "limit_deg" report captured --limit-deg -1
 
 echo "-- datasets of the BOP benchmark"
 golden="$root/tests/bop_golden/mini_bop"

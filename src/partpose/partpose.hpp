@@ -44,6 +44,8 @@
 #include "partpose/registration/coarse_alignment.hpp"
 #include "partpose/registration/icp.hpp"
 #include "partpose/registration/projective_refinement.hpp"
+#include "partpose/report/output_folder.hpp"
+#include "partpose/report/report.hpp"
 #include "partpose/synthesis/bop_scenes.hpp"
 #include "partpose/synthesis/resting_poses.hpp"
 #include "partpose/synthesis/scene_picture.hpp"

@@ -7,11 +7,13 @@
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/text.hpp"
+#include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/io/model_files.hpp"
 #include "partpose/io/png.hpp"
 #include "partpose/io/scene.hpp"
 #include "partpose/pipeline/catalogue_cache.hpp"
+#include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/pipeline/recognizer.hpp"
 
 #include <CLI/CLI.hpp>
@@ -28,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CapturedArguments {
-  fs::path set, models, cache, jsonl, pictures;
+  fs::path set, models, cache, jsonl, output, pictures;
   std::vector<std::string> kinds;
   double limit_deg = 15;
   double limit_mm = 15;
@@ -74,6 +76,22 @@ std::string judge(const Recognition& recognition, const CapturedScene& truth, co
                      error.rotation_deg, error.translation_mm);
 }
 
+/// The iteration folder with evaluation.json: the plain errors to the first of the equivalent poses, and beside them
+/// those to the nearest one, as `line` has them.
+void write_frame(const fs::path& folder, const Recognition& recognition, const Scene& scene, const CapturedScene& truth,
+                 const Json& line, const Catalogue& catalogue) {
+  const fs::path iteration = write_iteration(folder, recognition, scene, catalogue, Recognizer::catalogue_config());
+  GroundTruth shown{truth.model_name, {}, -1, -1};
+  shown.camera_from_model =
+      truth.camera_from_model.empty() ? Eigen::Isometry3d::Identity() : truth.camera_from_model[0];
+  Json evaluation = to_json(evaluate(recognition.result, shown));
+  if (line.contains("rotation_error_deg")) {
+    evaluation["rotation_error_symmetric_deg"] = line["rotation_error_deg"];
+    evaluation["translation_error_symmetric_mm"] = line["translation_error_mm"];
+  }
+  write_json_file(iteration / "evaluation.json", evaluation);
+}
+
 /// A truth that names none of the parts is more likely a slip than a test.
 void check_models_are_known(const CapturedSet& set, const Catalogue& catalogue) {
   std::vector<std::string> names;
@@ -110,6 +128,8 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
     fmt::print("{:<32} {:5.0f} ms  {}\n", truth.path.filename().string(), recognition.total_ms(), verdict);
     if (!common.quiet && recognition.accepted >= 0) print_pose(recognition.result.T_final);
     if (jsonl) *jsonl << json_line(line) << '\n';
+    if (!arguments.output.empty())
+      write_frame(arguments.output, recognition, scene, truth, line, recognizer.catalogue());
     if (!arguments.pictures.empty())
       write_png(picture_names.next(truth.path), picture_of(scene, recognition, recognizer.catalogue()));
   }
@@ -137,6 +157,9 @@ void add_captured_command(CLI::App& app, const Common& common) {
                    "Only scenes of this kind (object_only, with_table, full_frame, instance)")
       ->allow_extra_args(false);
   captured->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here");
+  captured->add_option(
+      "-o,--output", arguments->output,
+      "Write an iteration output folder for each scene here, with evaluation.json in it (partpose report)");
   captured->add_option("--pictures", arguments->pictures,
                        "Write a picture of each scene with the part drawn over it here");
   captured->add_option("--cache", arguments->cache, "Where catalogues are kept (default: ~/.cache/partpose)");

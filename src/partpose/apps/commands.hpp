@@ -20,6 +20,7 @@ void add_dataset_commands(CLI::App& app, const Common& common);
 void add_bop_commands(CLI::App& app, const Common& common);
 void add_captured_command(CLI::App& app, const Common& common);
 void add_evaluate_command(CLI::App& app, const Common& common);
+void add_report_command(CLI::App& app, const Common& common);
 void add_experiment_command(CLI::App& app, const Common& common);
 void add_sensor_command(CLI::App& app, const Common& common);
 void add_scenes_command(CLI::App& app, const Common& common);

@@ -10,6 +10,7 @@
 #include "partpose/io/json.hpp"
 #include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
+#include "partpose/report/report.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -71,11 +72,17 @@ void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) 
   const auto on_frame = [&](const ProtocolFrame& frame, const Recognition& recognition, const PointCloud& scene) {
     if (jsonl) *jsonl << json_line(frame_line(frame, recognition, pipeline.catalogue())) << '\n';
     if (arguments.output.empty()) return;
-    const fs::path iteration = write_iteration(arguments.output, recognition, scene, pipeline.catalogue(), config);
+    const Scene view{test.view_path(frame.truth.model_id, frame.truth.view_id), scene, {}, {}};
+    const fs::path iteration = write_iteration(arguments.output, recognition, view, pipeline.catalogue(), config);
     write_json(iteration / "evaluation.json", frame.evaluation);
     write_json(iteration / "evaluation_dataset.json", test.out);
   };
   const auto frames = run_protocol(pipeline, test, progress, on_frame);
+  if (config.debug.visualize_flag && !arguments.output.empty() && !frames.empty())
+    write_report(arguments.output, arguments.output / "report.html",
+                 {.stages = stages_of(config.debug.visualize),
+                  .limit_deg = arguments.limit_deg,
+                  .limit_mm = arguments.limit_mm});
 
   fmt::print("{:<24} {:>6} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "part shown", "frames", "correct %", "wrong %",
              "none %", "pose right %", "median ms", "p95 ms");

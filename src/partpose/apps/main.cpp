@@ -42,6 +42,7 @@ int main(int argc, char** argv) {
       "  partpose recognize --dataset dataset/ --config configs/pipeline_capture.json frame.pcd\n"
       "  partpose evaluate --dataset dataset/ --test dataset/  # how often is it right on views of a dataset\n"
       "  partpose captured scenes/ --models parts/             # and on captured scenes with ground truth\n"
+      "  partpose report iterations/                           # a page to look at what --output wrote\n"
       "  partpose scenes --models parts/ --output drawn/       # draw frames of parts on a table, with their poses\n"
       "  partpose bop recognize toy/ -o partpose_toy-test.csv  # and on a dataset of the BOP benchmark's format\n"
       "  partpose symmetry parts/flange.stl                    # the turns that map a part onto itself\n"
@@ -56,6 +57,7 @@ int main(int argc, char** argv) {
   apps::add_evaluate_command(app, common);
   apps::add_experiment_command(app, common);
   apps::add_captured_command(app, common);
+  apps::add_report_command(app, common);
   apps::add_sensor_command(app, common);
   apps::add_scenes_command(app, common);
   apps::add_bop_commands(app, common);

@@ -15,6 +15,7 @@
 #include "partpose/pipeline/global_pipeline.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/pipeline/recognizer.hpp"
+#include "partpose/report/report.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -109,8 +110,13 @@ int recognize_all(const RecognizeArguments& arguments, const Common& common) {
       const Recognition recognition = named_after(path, [&] { return pipeline.recognize(scene); });
       if (jsonl) *jsonl << json_line(line_of(path, recognition)) << std::endl;
       if (!common.quiet || pipeline.config().debug.result_to_cout) print_for_people(path, recognition);
-      if (!arguments.output.empty())
-        write_iteration(arguments.output, recognition, scene.cloud, pipeline.catalogue(), pipeline.config());
+      if (!arguments.output.empty()) {
+        const DebugOptions& debug = pipeline.config().debug;
+        const fs::path iteration =
+            write_iteration(arguments.output, recognition, scene, pipeline.catalogue(), pipeline.config());
+        if (debug.visualize_flag)
+          write_report(iteration, iteration / "report.html", {.stages = stages_of(debug.visualize)});
+      }
       if (!arguments.pictures.empty()) {
         const fs::path picture = picture_names.next(path);
         check_keeps_scenes(picture, arguments.scenes);

@@ -279,7 +279,7 @@ FrameRecord Experiment::recognize(const TestScene& test, const PartRecognizer& r
     const fs::path folder = output_ / "frames" / file_name_of(record.run);
     GlobalPipelineConfig saved = config;
     saved.debug.save_extras_json = saved.debug.save_point_clouds = true;
-    const fs::path iteration = write_iteration(folder, recognition, scene.cloud, recognizer.catalogue(), saved);
+    const fs::path iteration = write_iteration(folder, recognition, scene, recognizer.catalogue(), saved);
     write_json(iteration / "evaluation.json", record.evaluation);
     record.folder = fs::relative(iteration, output_).string();
   }

@@ -2,12 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/pipeline/iteration_output.hpp"
 
+#include "partpose/core/hash.hpp"
+#include "partpose/io/camera_json.hpp"
+#include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/pcd.hpp"
 #include "partpose/io/ply.hpp"
 #include "partpose/io/png.hpp"
+#include "partpose/io/stl.hpp"
 #include "partpose/pipeline/picture.hpp"
 #include "partpose/preprocess/segmentation.hpp"
+
+#include <algorithm>
+#include <map>
 
 namespace partpose {
 
@@ -23,10 +30,20 @@ PointCloud placed_view(const Candidate& candidate, const Catalogue& catalogue) {
   return transformed(cloud, candidate.camera_from_model * (view.T2 * part.T1).inverse());
 }
 
-void write_clouds(const fs::path& folder, const Recognition& recognition, const PointCloud& scene,
-                  const Catalogue& catalogue) {
-  write_ply(folder / "scene_original.ply", scene);
+/// The scene from the sensor to the normals.
+void write_scene(const fs::path& folder, const Recognition& recognition, const Scene& scene) {
+  write_ply(folder / "scene_original.ply", scene.cloud);
+  write_ply(folder / "scene_preprocessed.ply", recognition.preprocessed);
   write_ply(folder / "scene_cloud_w_normals.ply", recognition.with_normals);
+  if (!scene.depth) return;
+  const auto& z = scene.depth->z_mm;
+  const float farthest_mm = z.empty() ? 0 : *std::max_element(z.begin(), z.end());
+  const double unit_mm = farthest_mm < 6500 ? 0.1 : farthest_mm < 65000 ? 1.0 : farthest_mm / 65000.0;
+  write_depth_png(folder / "scene_depth.png", *scene.depth, unit_mm);
+  write_camera(folder / "scene_depth.camera.json", {*scene.intrinsics, unit_mm});
+}
+
+void write_clouds(const fs::path& folder, const Recognition& recognition, const Catalogue& catalogue) {
   write_pcd(folder / "scene_cloud_w_normals.pcd", recognition.with_normals);
   for (const auto& candidate : recognition.candidates)
     write_ply(folder / fmt::format("candidate_{}.ply", candidate.id), placed_view(candidate, catalogue));
@@ -37,6 +54,22 @@ void write_clouds(const fs::path& folder, const Recognition& recognition, const 
   write_pcd(folder / "result_partial.pcd", partial);
   const auto& part = catalogue.parts[catalogue.views[accepted.view_row].part];
   write_ply(folder / "result_full.ply", transformed(part.surface, accepted.camera_from_model));
+}
+
+/// Copies the candidates' meshes to `folder`/meshes/ unless they are there, and notes each candidate's. The content is
+/// in the name: another run's part of the same name does not replace it.
+void write_meshes(const fs::path& folder, const Catalogue& catalogue, std::vector<CandidateExtras>& candidates) {
+  std::map<int, std::string> name_of;
+  for (auto& candidate : candidates) {
+    auto& name = name_of[candidate.model_id];
+    if (name.empty()) {
+      const std::string bytes = read_file(catalogue.dataset.mesh_path(candidate.model_id));
+      name = fmt::format("meshes/{}_{}.stl", candidate.model_name, content_hash(bytes));
+      fs::create_directories(folder / "meshes");
+      if (!fs::exists(folder / name)) write_file_atomically(folder / name, bytes);
+    }
+    candidate.mesh = name;
+  }
 }
 
 void write_pictures(const fs::path& folder, const Recognition& recognition, const PointCloud& scene,
@@ -72,16 +105,25 @@ void write_pictures(const fs::path& folder, const Recognition& recognition, cons
 
 }  // namespace
 
-fs::path write_iteration(const fs::path& folder, const Recognition& recognition, const PointCloud& scene,
+fs::path write_iteration(const fs::path& folder, const Recognition& recognition, const Scene& scene,
                          const Catalogue& catalogue, const GlobalPipelineConfig& config) {
+  const DebugOptions& debug = config.debug;
+  const bool seen = debug.save_point_clouds || debug.visualize_flag;
   const fs::path iteration = folder / recognition.result.timestamp;
   fs::create_directories(iteration);
+  if (debug.save_extras_json || debug.visualize_flag) {
+    Extras extras = extras_of(recognition, catalogue);
+    extras.scene = scene.path.string();
+    if (config.preprocessing.scale_flag) extras.scene_extras.input_unit_mm = config.preprocessing.scale_factor;
+    if (seen) write_meshes(folder, catalogue, extras.candidate_extras);
+    write_json(iteration / "extras.json", extras);
+  }
+  if (debug.save_used_dataset_json) write_json(iteration / "used_dataset.json", catalogue.dataset.out);
+  if (debug.save_used_pipeline_config_json) write_json(iteration / "used_pipeline_config.json", config);
+  if (seen) write_scene(iteration, recognition, scene);
+  if (debug.save_point_clouds) write_clouds(iteration, recognition, catalogue);
+  if (debug.visualize_flag) write_pictures(iteration, recognition, scene.cloud, catalogue, debug.visualize);
   write_json(iteration / "result.json", recognition.result);
-  if (config.debug.save_extras_json) write_json(iteration / "extras.json", extras_of(recognition, catalogue));
-  if (config.debug.save_used_dataset_json) write_json(iteration / "used_dataset.json", catalogue.dataset.out);
-  if (config.debug.save_used_pipeline_config_json) write_json(iteration / "used_pipeline_config.json", config);
-  if (config.debug.save_point_clouds) write_clouds(iteration, recognition, scene, catalogue);
-  if (config.debug.visualize_flag) write_pictures(iteration, recognition, scene, catalogue, config.debug.visualize);
   return iteration;
 }
 

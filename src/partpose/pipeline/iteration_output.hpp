@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/io/scene.hpp"
 #include "partpose/pipeline/recognition.hpp"
 
 #include <filesystem>
@@ -10,10 +11,12 @@ namespace partpose {
 
 /// Writes the iteration output folder of the reference, `folder`/timestamp/: result.json always, the rest as `debug`
 /// says. Clouds are in the camera frame, mm (scene_original.ply as it was given, before any scaling); candidate_N.ply
-/// is candidate N's view at its final pose, result_partial the accepted one's, result_full the whole part. Returns the
+/// is candidate N's view at its final pose, result_partial the accepted one's, result_full the whole part. What a
+/// report reads besides, with the point clouds or the pictures: scene_depth.png (of a depth image) with its camera,
+/// scene_preprocessed.ply, and the candidates' meshes in `folder`/meshes/, once for all iterations. Returns the
 /// iteration's folder.
 std::filesystem::path write_iteration(const std::filesystem::path& folder, const Recognition& recognition,
-                                      const PointCloud& scene, const Catalogue& catalogue,
+                                      const Scene& scene, const Catalogue& catalogue,
                                       const GlobalPipelineConfig& config);
 
 }  // namespace partpose

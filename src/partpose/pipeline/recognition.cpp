@@ -30,6 +30,25 @@ Result result_of(const Candidate& candidate, const Catalogue& catalogue) {
   return result;
 }
 
+namespace {
+
+/// The steps with the scene's points before and after each; of several segments, those of the one decided on.
+std::vector<MeasuredOperation> with_points(std::vector<MeasuredOperation> stages, const Recognition& r) {
+  const auto count = [](const PointCloud& cloud) { return static_cast<int>(cloud.size()); };
+  int points = r.num_of_points_input;
+  for (auto& stage : stages) {
+    if (stage.tag == "segmentation" || stage.tag == "decision") continue;
+    stage.points_in = points;
+    if (stage.tag == "preprocessing") points = count(r.preprocessed);
+    if (stage.tag == "normal_estimation") points = count(r.with_normals);
+    if (stage.tag == "refinement_cloud") points = count(r.refinement_scene);
+    stage.points_out = points;
+  }
+  return stages;
+}
+
+}  // namespace
+
 Extras extras_of(const Recognition& recognition, const Catalogue& catalogue) {
   Extras extras;
   for (const auto& candidate : recognition.candidates) {
@@ -54,11 +73,19 @@ Extras extras_of(const Recognition& recognition, const Catalogue& catalogue) {
     out.verdict = !candidate.verified               ? "not looked at: a candidate of better fitness was accepted"
                   : candidate.verification.accepted ? "accepted"
                                                     : candidate.verification.reason;
+    if (const auto& v = candidate.verification; candidate.verified && v.scene_points > 0) {
+      out.visible_model_points = v.visible_model_points;
+      out.unexplained_model_points = v.unexplained_model_points;
+      out.scene_points = v.scene_points;
+      out.explained_scene_points = v.explained_scene_points;
+    }
     extras.candidate_extras.push_back(std::move(out));
   }
   extras.scene_extras = {recognition.num_of_points_input, static_cast<int>(recognition.preprocessed.size()),
-                         static_cast<int>(recognition.refinement_scene.size())};
-  extras.time_profiling = recognition.stages;
+                         static_cast<int>(recognition.refinement_scene.size()),
+                         static_cast<int>(recognition.with_normals.size())};
+  extras.time_profiling = with_points(recognition.stages, recognition);
+  extras.reason = recognition.reason;
   extras.timestamp = recognition.result.timestamp;
   return extras;
 }

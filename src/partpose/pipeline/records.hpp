@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,8 @@ struct CandidateExtras {
   int view_id = -1;
   float score = -1;
   std::string verdict;
+  std::string mesh;
+  std::optional<int> visible_model_points, unexplained_model_points, scene_points, explained_scene_points;
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
@@ -75,6 +78,11 @@ struct CandidateExtras {
     visit("view_id", self.view_id, "the view");
     visit("score", self.score, "how well model and scene explain each other, 0 to 1; -1: not looked at");
     visit("verdict", self.verdict, "\"accepted\", or why not");
+    visit("mesh", self.mesh, "the part's mesh, relative to the output folder; empty: not saved");
+    visit("visible_model_points", self.visible_model_points, "of the part's surface in the greedy verification");
+    visit("unexplained_model_points", self.unexplained_model_points, "of them: no scene point is near");
+    visit("scene_points", self.scene_points, "of the thinned scene in the greedy verification");
+    visit("explained_scene_points", self.explained_scene_points, "of them: near the part's visible surface");
   }
 };
 
@@ -82,32 +90,41 @@ struct SceneExtras {
   int num_of_points_input = 0;
   int num_of_points_normal_estimation = 0;
   int num_of_points_refinement = 0;
+  int num_of_points_normals = 0;
+  float input_unit_mm = 1;
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("num_of_points_input", self.num_of_points_input, "as it came");
     visit("num_of_points_normal_estimation", self.num_of_points_normal_estimation, "after the preprocessing");
     visit("num_of_points_refinement", self.num_of_points_refinement, "in the refinement");
+    visit("num_of_points_normals", self.num_of_points_normals, "that have a normal");
+    visit("input_unit_mm", self.input_unit_mm, "length of one unit of scene_original.ply [mm]");
   }
 };
 
 struct MeasuredOperation {
   double measure_ms = 0;
   std::string tag;
+  std::optional<int> points_in = {}, points_out = {};
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("measure_ms", self.measure_ms, "wall-clock time [ms]");
     visit("tag", self.tag, "the step");
+    visit("points_in", self.points_in, "of the scene, that the step was given");
+    visit("points_out", self.points_out, "of the scene, that it left");
   }
 };
 
-/// C.2.3, with `score` and `verdict` beside.
+/// C.2.3, and beside it what a report of the frame says.
 struct Extras {
   std::vector<CandidateExtras> candidate_extras;  ///< in the order of the decision
   SceneExtras scene_extras;
   std::vector<MeasuredOperation> time_profiling;
   std::string timestamp;
+  std::string scene;
+  std::string reason;
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
@@ -115,6 +132,8 @@ struct Extras {
     visit("scene_extras", self.scene_extras, "the scene");
     visit("time_profiling", self.time_profiling, "each step");
     visit("timestamp", self.timestamp, "names the iteration's folder");
+    visit("scene", self.scene, "the file that the scene was read from; empty: none");
+    visit("reason", self.reason, "why nothing was recognized; empty when something was");
   }
 };
 

@@ -1,0 +1,15 @@
+# partpose_embed(TARGET FUNCTION FILE): compiles a text file into TARGET as `std::string_view partpose::FUNCTION()`.
+function(partpose_embed TARGET FUNCTION FILE)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${FILE})
+  file(READ ${FILE} content)
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${FUNCTION}.cpp)
+  string(FIND "${content}" ")partpose_text\"" forbidden)
+  if(NOT forbidden EQUAL -1)
+    message(FATAL_ERROR "${FILE} holds the mark that ends it")
+  endif()
+  file(CONFIGURE OUTPUT ${source}.new CONTENT "#include <string_view>\n\nnamespace partpose {\n\nstd::string_view ${FUNCTION}();\n" @ONLY)
+  file(APPEND ${source}.new "std::string_view ${FUNCTION}() {\n  static constexpr char text[] = R\"partpose_text(${content})partpose_text\";\n"
+       "  return {text, sizeof text - 1};\n}\n\n}  // namespace partpose\n")
+  configure_file(${source}.new ${source} COPYONLY)
+  target_sources(${TARGET} PRIVATE ${source})
+endfunction()

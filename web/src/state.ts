@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+// What the address says: #summary, #frames?verdict=wrong, #frame/12?verdict=wrong
+import type { FrameRow, Index } from './data';
+import type { ErrorPair, Limits } from './words';
+import { poseErrors } from './words';
+
+export interface Filter {
+  group?: string;
+  verdict?: string; // correct, wrong, none, found, nothing, pose_right, pose_off
+  truth?: string;
+  result?: string;
+  text?: string;
+}
+
+export interface Place {
+  page: 'summary' | 'frames' | 'frame';
+  frame: number;
+  filter: Filter;
+}
+
+const keys = ['group', 'verdict', 'truth', 'result', 'text'] as const;
+
+export function readPlace(): Place {
+  const [path, query = ''] = location.hash.slice(1).split('?');
+  const values = new URLSearchParams(query);
+  const filter: Filter = {};
+  for (const key of keys) if (values.has(key)) filter[key] = values.get(key)!;
+  const [page, number] = path.split('/');
+  if (page === 'frame') return { page, frame: Number(number) || 0, filter };
+  return { page: page === 'frames' ? 'frames' : 'summary', frame: 0, filter };
+}
+
+export function addressOf(page: Place['page'], filter: Filter = {}, frame = 0): string {
+  const values = new URLSearchParams();
+  for (const key of keys) if (filter[key] !== undefined) values.set(key, filter[key]!);
+  const query = values.toString();
+  return `#${page}${page === 'frame' ? `/${frame}` : ''}${query ? `?${query}` : ''}`;
+}
+
+/** What all pages share. */
+export interface Report {
+  index: Index;
+  limits: Limits;
+  pairs: ErrorPair[];
+  pair: ErrorPair | undefined; // the one that poses are judged by
+  groups: string[];
+}
+
+export type PoseVerdict = 'right' | 'off' | undefined;
+
+/** Whether a correctly recognized part's pose is within the limits; undefined: no pose to judge. */
+export function poseVerdict(row: FrameRow, report: Report): PoseVerdict {
+  const errors = report.pair ? poseErrors(row, report.pair) : null;
+  if (!errors) return undefined;
+  return errors.deg < report.limits.deg && errors.mm < report.limits.mm ? 'right' : 'off';
+}
+
+export function filtered(report: Report, filter: Filter): FrameRow[] {
+  const text = filter.text?.toLowerCase();
+  return report.index.frames.filter((row) => {
+    if (filter.group !== undefined && row.group !== filter.group) return false;
+    if (filter.truth !== undefined && row.truth !== filter.truth) return false;
+    if (filter.result !== undefined && row.result !== filter.result) return false;
+    if (filter.verdict === 'pose_right' || filter.verdict === 'pose_off') {
+      if (`pose_${poseVerdict(row, report)}` !== filter.verdict) return false;
+    } else if (filter.verdict !== undefined && row.verdict !== filter.verdict) return false;
+    return !text || `${row.name} ${row.group} ${row.truth ?? ''} ${row.result}`.toLowerCase().includes(text);
+  });
+}
