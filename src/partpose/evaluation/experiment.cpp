@@ -8,14 +8,18 @@
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/evaluation/experiment_tables.hpp"
+#include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/model_files.hpp"
 #include "partpose/io/pcd.hpp"
+#include "partpose/io/stl.hpp"
 #include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/global_pipeline.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/pipeline/recognizer.hpp"
+#include "partpose/preprocess/segmentation.hpp"
+#include "partpose/synthesis/bop_scenes.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -63,6 +67,7 @@ ExperimentSpec read_spec(const fs::path& path) {
     for (auto& protocol : spec.protocols) {
       protocol.views = resolved(protocol.views, base);
       protocol.captured = resolved(protocol.captured, base);
+      protocol.scenes = resolved(protocol.scenes, base);
     }
     spec.database = resolved(spec.database, base);
     for (auto& configuration : spec.configurations) configuration.pipeline = resolved(configuration.pipeline, base);
@@ -85,9 +90,47 @@ std::vector<fs::path> stl_files(const PartGroup& group) {
 struct TestScene {
   std::string name;
   std::function<Scene()> read;
-  GroundTruth truth;
-  std::vector<Eigen::Isometry3d> equivalent;  ///< further poses that are as right as the truth's
+  std::vector<GroundTruth> truths;   ///< any of them is right; the first names the frame's part
+  std::optional<Intrinsics> camera;  ///< of a cloud, where it is known
+  AmbiguityOptions noise;            ///< of the sensor
 };
+
+/// The sensor's noise by the configuration of a virtual camera: as far as depths may differ unseen.
+AmbiguityOptions noise_of(const NoiseOptions& noise) {
+  AmbiguityOptions options;
+  if (noise.model == "stereo") {
+    const auto stereo = noise.stereo.value_or(StereoSensorOptions{});
+    options.disparity_sigma_px = stereo.disparity_noise_px;
+    options.baseline_mm = stereo.baseline_mm;
+    return options;
+  }
+  options.disparity_sigma_px = 0;
+  if (noise.model != "none") options.floor_mm = std::max<double>(options.floor_mm, noise.standard_deviation_mm);
+  return options;
+}
+
+/// By the truth that the result comes nearest to.
+Evaluation best_evaluation(const Result& result, const TestScene& test, const Scene& scene, const PoseJudge& judge) {
+  JudgedFrame frame{{}, {}, test.noise};
+  if (scene.depth) {
+    frame.camera = *scene.intrinsics;
+    frame.depth = *scene.depth;
+  } else if (const auto camera = test.camera ? test.camera : intrinsics_of(before_camera(scene.cloud))) {
+    frame.camera = *camera;
+    frame.depth = to_depth_image(scene.cloud, *camera);
+  } else {
+    return evaluate(result, test.truths[0]);  // nothing that a camera could see
+  }
+  const auto rank = [](const Evaluation& e) {
+    return std::tuple(!e.recognized_correctly, e.mssd_mm.value_or(0), e.translation_error_mm + e.rotation_error_deg);
+  };
+  Evaluation best = judge.judge(result, test.truths[0], frame);
+  for (std::size_t i = 1; i < test.truths.size(); ++i) {
+    const Evaluation other = judge.judge(result, test.truths[i], frame);
+    if (rank(other) < rank(best)) best = other;
+  }
+  return best;
+}
 
 class Experiment {
  public:
@@ -98,11 +141,15 @@ class Experiment {
 
  private:
   Dataset dataset(const PartGroup& group, const std::string& config_file) const;
+  /// Where data made of the group's parts and `content` is kept.
+  fs::path data_folder(const PartGroup& group, const std::string& content) const;
   std::vector<TestScene> scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
+  std::vector<TestScene> captured_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
+  std::vector<TestScene> drawn_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
   void run(const PartGroup& group, const ExperimentProtocol& protocol, const ExperimentConfiguration& configuration,
            const std::string& descriptor);
-  FrameRecord recognize(const TestScene& scene, const PartRecognizer& recognizer, const GlobalPipelineConfig& config,
-                        FrameRecord record) const;
+  FrameRecord recognize(const TestScene& scene, const PartRecognizer& recognizer, const PoseJudge& judge,
+                        const GlobalPipelineConfig& config, FrameRecord record) const;
   void keep(const FrameRecord& record);
 
   ExperimentSpec spec_;
@@ -114,52 +161,103 @@ class Experiment {
   std::size_t done_ = 0, total_ = 0;
 };
 
+fs::path Experiment::data_folder(const PartGroup& group, const std::string& content) const {
+  std::string all = content;
+  for (const auto& path : stl_files(group)) all += path.stem().string() + "\n" + content_hash(read_file(path)) + "\n";
+  return output_ / "datasets" / (file_name_of(group.name) + "-" + content_hash(all).substr(0, 12));
+}
+
 Dataset Experiment::dataset(const PartGroup& group, const std::string& config_file) const {
   const auto config = config_file.empty() ? DatasetPreparationConfig{} : read_dataset_config(config_file);
-  std::string content = to_json(config).dump();
-  const auto paths = stl_files(group);
-  for (const auto& path : paths) content += path.stem().string() + "\n" + content_hash(read_file(path)) + "\n";
-  const fs::path folder = output_ / "datasets" / (file_name_of(group.name) + "-" + content_hash(content).substr(0, 12));
+  const fs::path folder = data_folder(group, to_json(config).dump());
   try {
     return open_dataset(folder);
   } catch (const Error&) {
     fs::create_directories(folder.parent_path());
-    return create_dataset(config, paths, folder, progress_);
+    return create_dataset(config, stl_files(group), folder, progress_);
   }
 }
 
 std::vector<TestScene> Experiment::scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
-  std::vector<TestScene> scenes;
-  if (!protocol.captured.empty()) {
-    const CapturedSet set = read_captured_set(protocol.captured);
-    std::set<std::string> names;
-    for (const auto& path : stl_files(group)) names.insert(path.stem().string());
-    for (const auto& scene : set.scenes) {
-      const bool wanted = protocol.kinds.empty() ||
-                          std::find(protocol.kinds.begin(), protocol.kinds.end(), scene.kind) != protocol.kinds.end();
-      if (!wanted || !(scene.model_name.empty() || names.count(scene.model_name))) continue;
-      GroundTruth truth{.model_name = scene.model_name};
-      if (!scene.camera_from_model.empty()) truth.camera_from_model = scene.camera_from_model[0];
-      scenes.push_back({scene.path.filename().string(), [path = scene.path] { return read_scene(path); }, truth,
-                        scene.camera_from_model});
-    }
-    return scenes;
-  }
+  if (!protocol.captured.empty()) return captured_scenes(group, protocol);
+  if (!protocol.scenes.empty()) return drawn_scenes(group, protocol);
   const Dataset test = dataset(group, protocol.views);
+  const auto& camera = test.out.dataset_preparation_config.virtual_depth_camera;
+  std::vector<TestScene> scenes;
   for (std::size_t m = 0; m < test.out.models.size(); ++m) {
     for (std::size_t v = 0; v < test.out.views.size(); ++v) {
       const auto& model = test.out.models[m];
       const int view_id = test.out.views[v].id;
-      const fs::path path = test.view_path(model.id, view_id);
+      const auto read = [path = test.view_path(model.id, view_id)] {
+        Scene scene;
+        scene.path = path;
+        scene.cloud = read_pcd(path);
+        return scene;
+      };
       scenes.push_back({fmt::format("{}_view_{}", model.name, view_id),
-                        [path] {
-                          Scene scene;
-                          scene.path = path;
-                          scene.cloud = read_pcd(path);
-                          return scene;
-                        },
-                        {model.name, test.camera_from_model(m, v), model.id, view_id},
-                        {}});
+                        read,
+                        {{model.name, test.camera_from_model(m, v), model.id, view_id}},
+                        camera.intrinsics(),
+                        noise_of(camera.noise)});
+    }
+  }
+  return scenes;
+}
+
+std::vector<TestScene> Experiment::captured_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
+  const CapturedSet set = read_captured_set(protocol.captured);
+  std::set<std::string> names;
+  for (const auto& path : stl_files(group)) names.insert(path.stem().string());
+  std::vector<TestScene> scenes;
+  for (const auto& scene : set.scenes) {
+    const bool wanted = protocol.kinds.empty() ||
+                        std::find(protocol.kinds.begin(), protocol.kinds.end(), scene.kind) != protocol.kinds.end();
+    if (!wanted || !(scene.model_name.empty() || names.count(scene.model_name))) continue;
+    std::vector<GroundTruth> truths;
+    for (const auto& pose : scene.camera_from_model) truths.push_back({scene.model_name, pose});
+    if (truths.empty()) truths.push_back({});
+    scenes.push_back(
+        {scene.path.filename().string(), [path = scene.path] { return read_scene(path); }, truths, {}, {}});
+  }
+  if (scenes.empty()) throw Error("{}: no scene shows one of the parts of group \"{}\"", protocol.captured, group.name);
+  return scenes;
+}
+
+std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
+  const auto options = read_json<SceneDatasetOptions>(protocol.scenes);
+  const fs::path folder = data_folder(group, fmt::format("{} frames of {}", protocol.frames, to_json(options).dump()));
+  if (!fs::exists(folder)) {
+    std::vector<ScenePart> parts;
+    for (const auto& path : stl_files(group)) parts.push_back({path.stem().string(), read_stl(path)});
+    fs::create_directories(folder.parent_path());
+    write_scene_dataset(std::move(parts), {}, options, static_cast<std::size_t>(protocol.frames), folder, {},
+                        progress_);
+  }
+  const SceneDataset drawn = read_scene_dataset(folder);
+  AmbiguityOptions noise;
+  if (options.sensor.model == "stereo") {
+    noise.disparity_sigma_px = options.sensor.stereo.disparity_noise_px;
+    noise.baseline_mm = options.sensor.stereo.baseline_mm;
+  } else {
+    noise.disparity_sigma_px = 0;
+    if (options.sensor.model != "none") noise.floor_mm = std::max(noise.floor_mm, options.sensor.standard_deviation_mm);
+  }
+  std::vector<TestScene> scenes;
+  for (const auto& [scene_id, bop_scene] : drawn.bop.scenes) {
+    for (const auto& image : bop_scene.images) {
+      std::vector<GroundTruth> truths;
+      for (const auto& truth : image.ground_truths)
+        truths.push_back({drawn.part_names.at(truth.obj_id), truth.camera_from_model, truth.obj_id});
+      if (truths.empty()) truths.push_back({});
+      const auto read = [bop_scene, image] {
+        Scene scene;
+        scene.path = bop_scene.depth_path(image);
+        scene.depth = bop_scene.read_depth(image);
+        scene.intrinsics = image.camera.intrinsics(scene.depth->width, scene.depth->height);
+        scene.cloud = to_point_cloud(*scene.depth, *scene.intrinsics);
+        return scene;
+      };
+      scenes.push_back({fmt::format("scene_{}_image_{}", scene_id, image.id), read, truths, {}, noise});
     }
   }
   return scenes;
@@ -224,17 +322,19 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
   };
   const Catalogue all = load_catalogue(dataset(group, spec_.database), config, progress_);
 
+  const PoseJudge judge(all);
+
   // One recognizer for all scenes, or one without the part for the scenes of each part.
   std::stable_sort(left.begin(), left.end(),
-                   [](const auto& a, const auto& b) { return a.truth.model_name < b.truth.model_name; });
+                   [](const auto& a, const auto& b) { return a.truths[0].model_name < b.truths[0].model_name; });
   for (auto begin = left.begin(); begin != left.end();) {
-    const std::string& part = begin->truth.model_name;
+    const std::string& part = begin->truths[0].model_name;
     const auto end = !protocol.left_out ? left.end() : std::find_if(begin, left.end(), [&](const auto& scene) {
-      return scene.truth.model_name != part;
+      return scene.truths[0].model_name != part;
     });
     const auto recognizer = make(protocol.left_out && !part.empty() ? without_part(all, part) : all);
     const auto one = [&](std::size_t i) {
-      keep(recognize(begin[static_cast<std::ptrdiff_t>(i)], *recognizer, config, blank));
+      keep(recognize(begin[static_cast<std::ptrdiff_t>(i)], *recognizer, judge, config, blank));
     };
     const auto count = static_cast<std::size_t>(end - begin);
     if (spec_.parallel_frames)
@@ -245,27 +345,20 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
   }
 }
 
-FrameRecord Experiment::recognize(const TestScene& test, const PartRecognizer& recognizer,
+FrameRecord Experiment::recognize(const TestScene& test, const PartRecognizer& recognizer, const PoseJudge& judge,
                                   const GlobalPipelineConfig& config, FrameRecord record) const {
   const Scene scene = test.read();
   const Recognition recognition = recognizer.recognize(scene);
   record.frame = test.name;
   record.result = recognition.result;
-  record.evaluation = evaluate(recognition.result, test.truth);
-  for (const auto& pose : test.equivalent) {
-    GroundTruth other = test.truth;
-    other.camera_from_model = pose;
-    const Evaluation evaluation = evaluate(recognition.result, other);
-    if (evaluation.translation_error_mm + evaluation.rotation_error_deg <
-        record.evaluation.translation_error_mm + record.evaluation.rotation_error_deg)
-      record.evaluation = evaluation;
-  }
+  record.evaluation = best_evaluation(recognition.result, test, scene, judge);
   if (record.left_out) record.evaluation.recognized_correctly = recognition.accepted < 0;
   for (const auto& candidate : recognition.candidates) {
     if (candidate.score <= record.score) continue;
     record.score = candidate.score;
     const Catalogue& catalogue = recognizer.catalogue();
-    record.best_is_right = catalogue.parts[catalogue.views[candidate.view_row].part].name == test.truth.model_name;
+    record.best_is_right =
+        catalogue.parts[catalogue.views[candidate.view_row].part].name == record.evaluation.ground_truth_model_name;
   }
   record.reason = recognition.reason;
   record.stages = recognition.stages;
@@ -311,7 +404,9 @@ void PartGroup::check() const {
 
 void ExperimentProtocol::check() const {
   if (name.empty()) throw Error("name: must not be empty");
-  if (views.empty() == captured.empty()) throw Error("give either \"views\" or \"captured\"");
+  if (!views.empty() + !captured.empty() + !scenes.empty() != 1)
+    throw Error("give one of \"views\", \"captured\" and \"scenes\"");
+  if (frames < 1) throw Error("frames {}: must be 1 or more", frames);
 }
 
 void ExperimentConfiguration::check() const {

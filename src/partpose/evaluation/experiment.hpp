@@ -32,6 +32,8 @@ struct ExperimentProtocol {
   std::string views;
   std::string captured;
   std::vector<std::string> kinds;
+  std::string scenes;
+  int frames = 100;
   bool left_out = false;
 
   template <typename Self, typename Visit>
@@ -41,6 +43,9 @@ struct ExperimentProtocol {
     visit("captured", self.captured,
           "or: folder of captured scenes with gt.json, of which those of the group's parts are used");
     visit("kinds", self.kinds, "captured scenes of these kinds only; empty: all");
+    visit("scenes", self.scenes,
+          "or: scene configuration (JSON, see docs/scenes.md) by which frames of the group's parts are drawn");
+    visit("frames", self.frames, "how many frames are drawn by \"scenes\", >= 1");
     visit("left_out", self.left_out,
           "each scene is shown to a catalogue without its part: every recognition is a false accept");
   }

@@ -3,6 +3,7 @@
 #include "partpose/evaluation/experiment_tables.hpp"
 
 #include "partpose/evaluation/plot.hpp"
+#include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
 
@@ -97,12 +98,13 @@ Table recognition_table(const Runs& runs) {
 }
 
 Table pose_table(const Runs& runs) {
-  Table table({"Descriptor", "Under both", "Of correct [%]", "Of total [%]", "Rotation median [deg]",
-               "Translation median [mm]"});
+  Table table({"Descriptor", "Under both", "Of correct [%]", "Of total [%]", "MSSD < 10 % [%]", "MSSD < 5 % [%]",
+               "MSSD < 10 % or not to be told apart [%]", "Rotation median [deg]", "Translation median [mm]"});
   for (const auto* run : runs)
     table.add({short_name(*run), number(run->pose_right), number(share_percent(run->pose_right, run->correct)),
-               number(run->percent(run->pose_right)), number(quantile(run->rotation_errors_deg, 0.5)),
-               number(quantile(run->translation_errors_mm, 0.5))});
+               number(run->percent(run->pose_right)), number(run->percent(run->mssd_10)),
+               number(run->percent(run->mssd_5)), number(run->percent(run->seen_right)),
+               number(quantile(run->rotation_errors_deg, 0.5)), number(quantile(run->translation_errors_mm, 0.5))});
   return table;
 }
 
@@ -192,6 +194,10 @@ std::vector<RunSummary> summarize_runs(const std::vector<FrameRecord>& records, 
     ++it->frames;
     const Evaluation& evaluation = record.evaluation;
     const bool recognized_something = record.result.candidate_id >= 0;
+    const bool near = evaluation.recognized_correctly && mssd_below(evaluation, 0.10);
+    it->mssd_10 += near;
+    it->mssd_5 += evaluation.recognized_correctly && mssd_below(evaluation, 0.05);
+    it->seen_right += near || evaluation.indistinguishable.value_or(false);
     ++it->confusion[{evaluation.ground_truth_model_name, recognized_something ? record.result.model_name : ""}];
     it->times_ms.push_back(record.time_ms);
     for (const auto& stage : record.stages) it->stage_ms[stage.tag].push_back(stage.measure_ms);
@@ -202,6 +208,9 @@ std::vector<RunSummary> summarize_runs(const std::vector<FrameRecord>& records, 
     ++it->correct;
     if (!recognized_something) {  // rightly so: no pose to be judged
       ++it->pose_right;
+      ++it->mssd_10;
+      ++it->mssd_5;
+      ++it->seen_right;
       continue;
     }
     it->pose_right += evaluation.rotation_error_deg < spec.limit_deg && evaluation.translation_error_mm < spec.limit_mm;
@@ -262,8 +271,9 @@ void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec
     };
     recognition.add(row({number(run.frames), number(run.correct), number(run.wrong), number(run.none)}));
     poses.add(row({number(run.pose_right), number(share_percent(run.pose_right, run.correct)),
-                   number(run.percent(run.pose_right)), number(quantile(run.rotation_errors_deg, 0.5)),
-                   number(quantile(run.translation_errors_mm, 0.5))}));
+                   number(run.percent(run.pose_right)), number(run.percent(run.mssd_10)),
+                   number(run.percent(run.mssd_5)), number(run.percent(run.seen_right)),
+                   number(quantile(run.rotation_errors_deg, 0.5)), number(quantile(run.translation_errors_mm, 0.5))}));
     for (const auto& [pair, count] : run.confusion) confusion.add(row({pair.first, pair.second, number(count)}));
     times.add(row({"frame", number(quantile(run.times_ms, 0.5)), number(quantile(run.times_ms, 0.95))}));
     for (const auto& [step, ms] : run.stage_ms)
@@ -279,6 +289,9 @@ void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec
     entry["incorrect"] = run.wrong;
     entry["no_result"] = run.none;
     entry["pose_under_limits"] = run.pose_right;
+    entry["mssd_under_10_percent"] = run.mssd_10;
+    entry["mssd_under_5_percent"] = run.mssd_5;
+    entry["mssd_under_10_percent_or_indistinguishable"] = run.seen_right;
     entry["median_ms"] = quantile(run.times_ms, 0.5);
     json["runs"].push_back(entry);
   }
@@ -300,7 +313,8 @@ void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec
       write_file_atomically(output / rotation_file, box_plot_svg("Rotation error: " + title, "deg", rotation));
       write_file_atomically(output / translation_file, box_plot_svg("Translation error: " + title, "mm", translation));
       page += fmt::format(
-          "\nPose errors under {:g} deg and {:g} mm, symmetry ignored:\n\n{}\n![rotation errors]({}) ![translation "
+          "\nPoses: under {:g} deg and {:g} mm with symmetry ignored, and by the symmetry-aware MSSD in shares of the "
+          "diameter, of the total:\n\n{}\n![rotation errors]({}) ![translation "
           "errors]({})\n",
           spec.limit_deg, spec.limit_mm, pose_table(runs).markdown(), rotation_file, translation_file);
     }

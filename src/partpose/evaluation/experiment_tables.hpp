@@ -12,6 +12,9 @@ struct RunSummary {
   bool left_out = false;
   int frames = 0, correct = 0, wrong = 0, none = 0;
   int pose_right = 0;                                              ///< correct, and within both limits
+  int mssd_10 = 0;     ///< correct, and MSSD below 10 % of the diameter
+  int mssd_5 = 0;      ///< correct, and MSSD below 5 % of the diameter
+  int seen_right = 0;  ///< correct and MSSD below 10 %, or part and pose that the camera cannot tell from the truth
   std::vector<double> rotation_errors_deg, translation_errors_mm;  ///< of the correct ones
   std::vector<double> times_ms;
   std::map<std::string, std::vector<double>> stage_ms;

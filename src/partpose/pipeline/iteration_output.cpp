@@ -40,7 +40,7 @@ void write_scene(const fs::path& folder, const Recognition& recognition, const S
   const float farthest_mm = z.empty() ? 0 : *std::max_element(z.begin(), z.end());
   const double unit_mm = farthest_mm < 6500 ? 0.1 : farthest_mm < 65000 ? 1.0 : farthest_mm / 65000.0;
   write_depth_png(folder / "scene_depth.png", *scene.depth, unit_mm);
-  write_camera(folder / "scene_depth.camera.json", {*scene.intrinsics, unit_mm});
+  write_camera(folder / "scene_depth.camera.json", {*scene.intrinsics, unit_mm, {}});
 }
 
 void write_clouds(const fs::path& folder, const Recognition& recognition, const Catalogue& catalogue) {

@@ -137,7 +137,7 @@ struct Extras {
   }
 };
 
-/// C.2.4.
+/// C.2.4, and beside it figures that know the part's symmetries; they are absent where they were not taken.
 struct Evaluation {
   int ground_truth_model_id = -1;
   std::string ground_truth_model_name;
@@ -147,6 +147,8 @@ struct Evaluation {
   bool recognized_correctly = false;
   float rotation_error_deg = -1;
   float translation_error_mm = -1;
+  std::optional<float> diameter_mm, add_mm, adi_mm, mssd_mm, mspd_px, vsd;
+  std::optional<bool> indistinguishable;
 
   static constexpr bool all_keys_required = true;
   template <typename Self, typename Visit>
@@ -159,6 +161,14 @@ struct Evaluation {
     visit("recognized_correctly", self.recognized_correctly, "whether the result names the part shown");
     visit("rotation_error_deg", self.rotation_error_deg, "eq. 2.2 [deg], -1 when the part is not the one shown");
     visit("translation_error_mm", self.translation_error_mm, "eq. 2.3 [mm], -1 when the part is not the one shown");
+    visit("diameter_mm", self.diameter_mm, "of the part shown: largest distance of two vertices [mm]");
+    visit("add_mm", self.add_mm, "ADD [mm], symmetry ignored");
+    visit("adi_mm", self.adi_mm, "ADI [mm]");
+    visit("mssd_mm", self.mssd_mm, "MSSD [mm], up to the part's symmetries");
+    visit("mspd_px", self.mspd_px, "MSPD [px of an image 640 px wide], up to the part's symmetries");
+    visit("vsd", self.vsd, "VSD, 0 to 1, mean over the ten taus of BOP");
+    visit("indistinguishable", self.indistinguishable,
+          "whether this camera cannot tell the result, part and pose, from the truth");
   }
 };
 
