@@ -9,6 +9,8 @@
 #include "partpose/core/stopwatch.hpp"
 #include "partpose/dataset/dataset.hpp"
 #include "partpose/descriptor/descriptors.hpp"
+#include "partpose/evaluation/plot.hpp"
+#include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/model_files.hpp"
 #include "partpose/io/stl.hpp"
@@ -29,6 +31,7 @@ struct Arguments {
   std::filesystem::path pipeline_config = "configs/pipeline_virtual.json";
   std::filesystem::path dataset_config = "configs/dataset_ground_truth.json";
   std::filesystem::path output;
+  std::filesystem::path plot;
   int views = 100;
   int repeats = 3;
   std::vector<std::string> descriptors = descriptor_names();
@@ -127,6 +130,7 @@ void run(const Arguments& arguments) {
   fmt::print(
       "| descriptor | partpose, ms | PCL 1.13, ms | PCL / partpose | smallest, largest ratio | histograms, PCL's |\n");
   fmt::print("|---|---|---|---|---|---|\n");
+  std::vector<BoxSeries> ratios;
   for (const auto& name : arguments.descriptors) {
     std::unique_ptr<GlobalDescriptor> descriptor;
     try {
@@ -149,12 +153,16 @@ void run(const Arguments& arguments) {
     const auto [least, best] = std::minmax_element(times.ratio.begin(), times.ratio.end());
     fmt::print("| {} | {:.3f} | {:.3f} | {:.1f} | {:.1f}, {:.1f} | {}, {} |\n", name, median(times.ours_ms),
                median(times.pcl_ms), median(times.ratio), *least, *best, times.histograms, times.pcl_histograms);
+    ratios.push_back({name, times.ratio});
     entry["pcl_ms"] = times.pcl_ms;
     entry["pcl_median_ms"] = median(times.pcl_ms);
     entry["ratio_median"] = median(times.ratio);
     entry["pcl_histograms"] = times.pcl_histograms;
   }
   if (!arguments.output.empty()) write_json_file(arguments.output, json);
+  if (!arguments.plot.empty())
+    write_file_atomically(arguments.plot,
+                          box_plot_svg("Time of PCL 1.13 over time of partpose, each view", "times faster", ratios));
 }
 
 }  // namespace
@@ -170,6 +178,7 @@ int main(int argc, char** argv) {
   app.add_option("--repeats", arguments.repeats, "runs of each descriptor on each view")->check(CLI::Range(1, 1000));
   app.add_option("--descriptors", arguments.descriptors, "names as in the configuration");
   app.add_option("--output", arguments.output, "JSON file with all times");
+  app.add_option("--plot", arguments.plot, "SVG file with the ratios of all views");
   CLI11_PARSE(app, argc, argv);
   try {
     partpose::run(arguments);

@@ -5,6 +5,7 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/random.hpp"
 #include "partpose/descriptor/order_free.hpp"
+#include "partpose/geometry/point_grid.hpp"
 
 #include <array>
 #include <numbers>
@@ -57,29 +58,27 @@ ScaledPoints scale(const std::vector<Eigen::Vector3f>& points) {
   if (!(largest > 0)) return scaled;
 
   std::vector<Eigen::Vector3f> unsorted;
-  std::vector<std::uint64_t> keys;  // squared distance (the bits of a float >= 0 sort like the float), index
+  std::vector<std::uint64_t> keys;  // squared distance: the bits of a float >= 0 sort like the float
   unsorted.reserve(points.size());
   keys.reserve(points.size());
   for (const auto& p : points) {
     unsorted.push_back(((p.cast<double>() - centre) * (half_grid / largest)).cast<float>());
-    keys.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(unsorted.back().squaredNorm())} << 32 | keys.size());
+    keys.push_back(std::bit_cast<std::uint32_t>(unsorted.back().squaredNorm()));
   }
-  std::sort(keys.begin(), keys.end());
-  const auto point_of = [&](std::uint64_t key) -> const Eigen::Vector3f& {
-    return unsorted[static_cast<std::uint32_t>(key)];
-  };
-  for (auto begin = keys.begin(); begin != keys.end();) {
-    const auto end = std::find_if(begin, keys.end(), [&](auto key) { return key >> 32 != *begin >> 32; });
-    std::sort(begin, end, [&](auto a, auto b) {
-      const auto &p = point_of(a), &q = point_of(b);
-      return std::tuple(p.x(), p.y(), p.z()) < std::tuple(q.x(), q.y(), q.z());
-    });
+  std::vector<int> order = order_by_key(keys);
+  for (auto begin = order.begin(); begin != order.end();) {
+    const auto end = std::find_if(begin, order.end(), [&](int i) { return keys[i] != keys[*begin]; });
+    if (end - begin > 1)
+      std::sort(begin, end, [&](int a, int b) {
+        const auto &p = unsorted[a], &q = unsorted[b];
+        return std::tuple(p.x(), p.y(), p.z()) < std::tuple(q.x(), q.y(), q.z());
+      });
     begin = end;
   }
   scaled.points.reserve(points.size());
   scaled.voxels.reserve(points.size());
-  for (const auto key : keys) {
-    const auto& p = scaled.points.emplace_back(point_of(key));
+  for (const int i : order) {
+    const auto& p = scaled.points.emplace_back(unsorted[i]);
     scaled.voxels.push_back({voxel_of(p.x()), voxel_of(p.y()), voxel_of(p.z())});
   }
   return scaled;
@@ -298,16 +297,31 @@ Extent mean_extent(const Extent& of_the_draw, const ScaledPoints& shape, int sam
   Extent sum = of_the_draw;
   for (int draw = 0; draw < draws; ++draw) {
     float longest_squared = 0, largest_area_squared = 0;
-    for (int i = 0; i < samples / 2 + 1; ++i) {
-      const std::uint64_t bits = random.next();
-      constexpr std::uint64_t half = 1 << 20;  // of 2^21; of the points, which stand in the order of their radius
-      const std::uint64_t third = (bits >> 1 & (half - 1)) + (bits >> 21 & 3 ? 0 : half);
-      const auto& a = shape.points[(half + (bits >> 24 & (half - 1))) * count >> 21];
-      const auto& b = shape.points[(half + (bits >> 44)) * count >> 21];
-      const auto& c = shape.points[third * count >> 21];
-      const Eigen::Vector3f u = b - a, v = c - a;
-      longest_squared = std::max({longest_squared, u.squaredNorm(), v.squaredNorm(), (c - b).squaredNorm()});
-      largest_area_squared = std::max(largest_area_squared, 0.25f * u.cross(v).squaredNorm());
+    for (int left = samples / 2 + 1; left > 0; left -= Triangles::capacity) {
+      const int block = std::min(left, Triangles::capacity);
+      std::array<Triangles::PerTriangle<float>, 6> sides;  // from the first corner to the two others
+      for (int i = 0; i < block; ++i) {
+        const std::uint64_t bits = random.next();
+        constexpr std::uint64_t half = 1 << 20;  // of 2^21; of the points, which stand in the order of their radius
+        const std::uint64_t third = (bits >> 1 & (half - 1)) + (bits >> 21 & 3 ? 0 : half);
+        const auto& a = shape.points[(half + (bits >> 24 & (half - 1))) * count >> 21];
+        const auto& b = shape.points[(half + (bits >> 44)) * count >> 21];
+        const auto& c = shape.points[third * count >> 21];
+        for (int axis = 0; axis < 3; ++axis) {
+          sides[axis][i] = b[axis] - a[axis];
+          sides[3 + axis][i] = c[axis] - a[axis];
+        }
+      }
+#pragma omp simd reduction(max : longest_squared, largest_area_squared)
+      for (int i = 0; i < block; ++i) {
+        const float ux = sides[0][i], uy = sides[1][i], uz = sides[2][i];
+        const float vx = sides[3][i], vy = sides[4][i], vz = sides[5][i];
+        const float wx = vx - ux, wy = vy - uy, wz = vz - uz;
+        const float nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+        const float longer = std::max(ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz);
+        longest_squared = std::max(longest_squared, std::max(longer, wx * wx + wy * wy + wz * wz));
+        largest_area_squared = std::max(largest_area_squared, 0.25f * (nx * nx + ny * ny + nz * nz));
+      }
     }
     sum.side += std::sqrt(longest_squared);
     sum.root_of_area += std::sqrt(std::sqrt(largest_area_squared));
