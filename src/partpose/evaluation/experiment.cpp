@@ -179,6 +179,7 @@ Dataset Experiment::dataset(const PartGroup& group, const std::string& config_fi
 }
 
 std::vector<TestScene> Experiment::scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
+  if (protocol.left_out && stl_files(group).size() < 2) return {};  // the catalogue would be empty
   if (!protocol.captured.empty()) return captured_scenes(group, protocol);
   if (!protocol.scenes.empty()) return drawn_scenes(group, protocol);
   const Dataset test = dataset(group, protocol.views);
@@ -208,7 +209,10 @@ std::vector<TestScene> Experiment::captured_scenes(const PartGroup& group, const
   const CapturedSet set = read_captured_set(protocol.captured);
   std::set<std::string> names;
   for (const auto& path : stl_files(group)) names.insert(path.stem().string());
+  const bool shows_the_group = std::any_of(set.scenes.begin(), set.scenes.end(),
+                                           [&](const auto& scene) { return names.count(scene.model_name) > 0; });
   std::vector<TestScene> scenes;
+  if (!shows_the_group) return scenes;
   for (const auto& scene : set.scenes) {
     const bool wanted = protocol.kinds.empty() ||
                         std::find(protocol.kinds.begin(), protocol.kinds.end(), scene.kind) != protocol.kinds.end();
@@ -219,7 +223,6 @@ std::vector<TestScene> Experiment::captured_scenes(const PartGroup& group, const
     scenes.push_back(
         {scene.path.filename().string(), [path = scene.path] { return read_scene(path); }, truths, {}, {}});
   }
-  if (scenes.empty()) throw Error("{}: no scene shows one of the parts of group \"{}\"", protocol.captured, group.name);
   return scenes;
 }
 

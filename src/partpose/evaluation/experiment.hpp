@@ -41,7 +41,8 @@ struct ExperimentProtocol {
     visit("name", self.name, "names the protocol in the tables");
     visit("views", self.views, "dataset configuration (JSON) by which the group's parts are rendered as scenes");
     visit("captured", self.captured,
-          "or: folder of captured scenes with gt.json, of which those of the group's parts are used");
+          "or: folder of captured scenes with gt.json, of which those of the group's parts are used; none of them: no "
+          "run");
     visit("kinds", self.kinds, "captured scenes of these kinds only; empty: all");
     visit("scenes", self.scenes,
           "or: scene configuration (JSON, see docs/scenes.md) by which frames of the group's parts are drawn");

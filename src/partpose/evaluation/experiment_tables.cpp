@@ -26,7 +26,7 @@ class Table {
   std::string markdown() const {
     std::string out;
     for (std::size_t r = 0; r < rows_.size(); ++r) {
-      for (const auto& cell : rows_[r]) out += "| " + cell + " ";
+      for (const auto& cell : rows_[r]) out += fmt::format("| {} ", cell);
       out += "|\n";
       if (r > 0) continue;
       for (std::size_t c = 0; c < rows_[0].size(); ++c) out += c == 0 ? "|---" : "|---:";
@@ -37,7 +37,10 @@ class Table {
   std::string csv() const {
     std::string out;
     for (const auto& row : rows_) {
-      for (std::size_t c = 0; c < row.size(); ++c) out += (c ? "," : "") + quoted(row[c]);
+      for (std::size_t c = 0; c < row.size(); ++c) {
+        if (c > 0) out += ',';
+        out += quoted(row[c]);
+      }
       out += "\n";
     }
     return out;
@@ -47,8 +50,12 @@ class Table {
   static std::string quoted(const std::string& cell) {
     if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
     std::string out = "\"";
-    for (const char c : cell) out += c == '"' ? "\"\"" : std::string(1, c);
-    return out + "\"";
+    for (const char c : cell) {
+      if (c == '"') out += c;
+      out += c;
+    }
+    out += '"';
+    return out;
   }
   std::vector<std::vector<std::string>> rows_;
 };

@@ -11,7 +11,7 @@ struct RunSummary {
   std::string run, group, protocol, configuration, descriptor;
   bool left_out = false;
   int frames = 0, correct = 0, wrong = 0, none = 0;
-  int pose_right = 0;                                              ///< correct, and within both limits
+  int pose_right = 0;  ///< correct, and within both limits
   int mssd_10 = 0;     ///< correct, and MSSD below 10 % of the diameter
   int mssd_5 = 0;      ///< correct, and MSSD below 5 % of the diameter
   int seen_right = 0;  ///< correct and MSSD below 10 %, or part and pose that the camera cannot tell from the truth
