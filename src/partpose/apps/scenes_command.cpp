@@ -5,6 +5,7 @@
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/stopwatch.hpp"
+#include "partpose/geometry/symmetry_search.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/model_files.hpp"
 #include "partpose/io/png.hpp"
@@ -93,7 +94,11 @@ void make_scenes(const ScenesArguments& arguments, const Common& common) {
   if (arguments.frames < 1) throw Error("scenes: --frames {}: must be 1 or more", arguments.frames);
   const Stopwatch watch;
   const auto frames = static_cast<std::size_t>(arguments.frames);
-  write_scene_dataset(parts, unknown, options, frames, arguments.output, {}, terminal_progress(common.quiet));
+  const auto symmetries_of = [](const TriangleMesh& mesh) {
+    return find_symmetries(mesh, default_symmetry_tolerance_mm(diameter(mesh)));
+  };
+  write_scene_dataset(parts, unknown, options, frames, arguments.output, symmetries_of,
+                      terminal_progress(common.quiet));
   if (!common.quiet)
     fmt::print("{}: {} frames of {} parts in {:.2f} s\n", arguments.output.string(), frames, parts.size(),
                watch.elapsed_ms() / 1000);

@@ -66,8 +66,8 @@ Symmetries ModelSymmetries::symmetries() const {
 
 ModelInfo ModelInfo::of(const std::string& name, const TriangleMesh& mesh, const ModelSymmetries& symmetries) {
   const auto box = bounding_box(mesh);
-  return {name,          mesh_diameter(mesh), box.min().x(),   box.min().y(),
-          box.min().z(), box.sizes().x(),     box.sizes().y(), box.sizes().z(),
+  return {name,          partpose::diameter(mesh),  box.min().x(),   box.min().y(),
+          box.min().z(), box.sizes().x(), box.sizes().y(), box.sizes().z(),
           symmetries};
 }
 

@@ -3,6 +3,7 @@
 #include "partpose/evaluation/accuracy.hpp"
 
 #include "partpose/core/pose.hpp"
+#include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/io/pcd.hpp"
 
 #include <algorithm>
@@ -28,6 +29,8 @@ std::vector<ProtocolFrame> run_protocol(
     const GlobalPipeline& pipeline, const Dataset& test, const Progress& progress,
     const std::function<void(const ProtocolFrame&, const Recognition&, const PointCloud& scene)>& on_frame) {
   std::vector<ProtocolFrame> frames;
+  const PoseJudge judge(pipeline.catalogue());
+  const auto& camera = test.out.dataset_preparation_config.virtual_depth_camera;
   const std::size_t view_count = test.out.views.size(), count = test.out.models.size() * view_count;
   for (std::size_t i = 0; i < count; ++i) {
     const auto& model = test.out.models[i / view_count];
@@ -37,7 +40,9 @@ std::vector<ProtocolFrame> run_protocol(
     ProtocolFrame frame;
     frame.truth = {model.name, test.camera_from_model(i / view_count, i % view_count), model.id, view.id};
     frame.result = recognition.result;
-    frame.evaluation = evaluate(recognition.result, frame.truth);
+    const Intrinsics intrinsics = camera.intrinsics();
+    frame.evaluation = judge.judge(recognition.result, frame.truth,
+                                   {intrinsics, to_depth_image(scene, intrinsics), AmbiguityOptions::of(camera.noise)});
     frame.time_ms = recognition.total_ms();
     if (on_frame) on_frame(frame, recognition, scene);
     frames.push_back(std::move(frame));
@@ -54,7 +59,8 @@ ProtocolSummary summarize(const std::vector<ProtocolFrame>& frames, double limit
     times.push_back(frame.time_ms);
     if (frame.evaluation.recognized_correctly) {
       ++summary.correct;
-      summary.pose_right += frame.evaluation.rotation_error_deg < limit_deg && frame.evaluation.translation_error_mm < limit_mm;
+      summary.pose_right +=
+          frame.evaluation.rotation_error_deg < limit_deg && frame.evaluation.translation_error_mm < limit_mm;
     } else if (frame.result.candidate_id < 0) {
       ++summary.none;
     } else {

@@ -81,6 +81,19 @@ void AmbiguityOptions::check() const {
   positive("max_rms_sigmas", max_rms_sigmas);
 }
 
+AmbiguityOptions AmbiguityOptions::of(const NoiseOptions& noise) {
+  AmbiguityOptions options;
+  if (noise.model == "stereo") {
+    const auto stereo = noise.stereo.value_or(StereoSensorOptions{});
+    options.disparity_sigma_px = stereo.disparity_noise_px;
+    options.baseline_mm = stereo.baseline_mm;
+    return options;
+  }
+  options.disparity_sigma_px = 0;
+  if (noise.model != "none") options.floor_mm = std::max<double>(options.floor_mm, noise.standard_deviation_mm);
+  return options;
+}
+
 double AmbiguityOptions::sigma_mm(double z_mm, double fx_px) const {
   return std::hypot(floor_mm, z_mm * z_mm * disparity_sigma_px / (fx_px * baseline_mm));
 }
@@ -148,7 +161,7 @@ struct AmbiguitySearch::Impl {
     Prepared(const AmbiguityPart& part, double turn_step_deg)
         : surface(part.mesh), grid(grid_points(part.mesh), 5.0f, 64), samples(even_surface_samples(part.mesh, 300)) {
       if (samples.empty()) throw Error("part \"{}\": its triangles have no area", part.name);
-      diameter_mm = mesh_diameter(part.mesh);
+      diameter_mm = diameter(part.mesh);
       centre = Eigen::Vector3d::Zero();
       for (const auto& p : samples) centre += p / static_cast<double>(samples.size());
       std::set<std::size_t> chosen;

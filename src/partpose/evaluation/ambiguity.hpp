@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/camera/virtual_depth_camera.hpp"
 #include "partpose/core/depth_image.hpp"
 #include "partpose/core/mesh.hpp"
 #include "partpose/geometry/symmetries.hpp"
@@ -37,6 +38,9 @@ struct AmbiguityOptions {
           "root mean square difference of the others [standard deviations], > 0");
   }
   void check() const;
+
+  /// As far as a virtual camera's noise lets depths differ unseen.
+  static AmbiguityOptions of(const NoiseOptions& noise);
 
   /// Of one measured depth: sqrt(floor^2 + (z^2 disparity_sigma / (f baseline))^2).
   double sigma_mm(double z_mm, double fx_px) const;

@@ -95,20 +95,6 @@ struct TestScene {
   AmbiguityOptions noise;            ///< of the sensor
 };
 
-/// The sensor's noise by the configuration of a virtual camera: as far as depths may differ unseen.
-AmbiguityOptions noise_of(const NoiseOptions& noise) {
-  AmbiguityOptions options;
-  if (noise.model == "stereo") {
-    const auto stereo = noise.stereo.value_or(StereoSensorOptions{});
-    options.disparity_sigma_px = stereo.disparity_noise_px;
-    options.baseline_mm = stereo.baseline_mm;
-    return options;
-  }
-  options.disparity_sigma_px = 0;
-  if (noise.model != "none") options.floor_mm = std::max<double>(options.floor_mm, noise.standard_deviation_mm);
-  return options;
-}
-
 /// By the truth that the result comes nearest to.
 Evaluation best_evaluation(const Result& result, const TestScene& test, const Scene& scene, const PoseJudge& judge) {
   JudgedFrame frame{{}, {}, test.noise};
@@ -199,7 +185,7 @@ std::vector<TestScene> Experiment::scenes(const PartGroup& group, const Experime
                         read,
                         {{model.name, test.camera_from_model(m, v), model.id, view_id}},
                         camera.intrinsics(),
-                        noise_of(camera.noise)});
+                        AmbiguityOptions::of(camera.noise)});
     }
   }
   return scenes;

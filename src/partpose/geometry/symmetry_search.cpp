@@ -500,25 +500,6 @@ double MeasuredSymmetries::largest_deviation_mm() const {
   return largest;
 }
 
-double mesh_diameter(const TriangleMesh& mesh) {
-  if (mesh.triangles.empty()) return 0;
-  Eigen::AlignedBox3d box;
-  for (const auto& triangle : mesh.triangles)
-    for (const int corner : triangle) box.extend(mesh.vertices[corner].cast<double>());
-  const TriangleMesh used = centred(mesh, box.center());
-  std::vector<double> radius;
-  for (const auto& v : used.vertices) radius.push_back(v.cast<double>().norm());
-  std::vector<int> order(radius.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return radius[a] > radius[b]; });
-  // Two points are no farther apart than their radii together.
-  double largest = 0;
-  for (std::size_t i = 0; i < order.size() && 2 * radius[order[i]] > largest; ++i)
-    for (std::size_t j = i + 1; j < order.size() && radius[order[i]] + radius[order[j]] > largest; ++j)
-      largest = std::max<double>(largest, (used.vertices[order[i]] - used.vertices[order[j]]).cast<double>().norm());
-  return largest;
-}
-
 double default_symmetry_tolerance_mm(double diameter_mm) {
   return std::max(0.005 * diameter_mm, std::min(0.5, 0.02 * diameter_mm));
 }
@@ -529,7 +510,7 @@ SymmetrySearch search_symmetries(const TriangleMesh& mesh, std::optional<double>
   if (mesh.triangles.empty()) throw Error("symmetry: the mesh has no triangles");
   const AreaMoments moments(mesh);
   if (!(moments.area > 0)) throw Error("symmetry: the mesh's triangles have no area");
-  const double diameter_mm = mesh_diameter(mesh);
+  const double diameter_mm = diameter(mesh);
   const double tolerance = tolerance_mm.value_or(default_symmetry_tolerance_mm(diameter_mm));
   if (!(tolerance > 0) || !std::isfinite(tolerance))
     throw Error("symmetry tolerance {} mm: must be positive", tolerance);

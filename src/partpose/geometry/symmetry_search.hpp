@@ -29,9 +29,6 @@ struct SymmetrySearch {
   static constexpr double near_area_share = 0.1;
 };
 
-/// The largest distance between two vertices that triangles use, in mm; 0 for a mesh without triangles.
-double mesh_diameter(const TriangleMesh& mesh);
-
 /// 0.5 mm, or 0.5 % of the diameter if that is more: what a stereo camera can tell at best (docs/symmetry.md). Never
 /// more than 2 % of the diameter.
 double default_symmetry_tolerance_mm(double diameter_mm);

@@ -256,18 +256,5 @@ TEST(SymmetrySearch, BadInput) {
     EXPECT_PRED2(mentions, error_of([&] { search_symmetries(shapes::box({1, 2, 3}), tolerance); }), "must be positive");
 }
 
-TEST(MeshDiameter, IsThatOfAllPairs) {
-  Random random(3);
-  EXPECT_NEAR(mesh_diameter(shapes::box({3, 4, 12})), 13, 1e-5);
-  EXPECT_EQ(mesh_diameter({}), 0);
-  for (const TriangleMesh& shape : {helix(0.3), cone(30, 20, 40), shapes::sphere(20, 20, 10)}) {
-    const TriangleMesh mesh = shapes::moved(shape, shapes::random_pose(random, {100, 20, -700}));
-    double largest = 0;
-    for (const auto& a : mesh.vertices)
-      for (const auto& b : mesh.vertices) largest = std::max<double>(largest, (a - b).norm());
-    EXPECT_NEAR(mesh_diameter(mesh), largest, 1e-3);
-  }
-}
-
 }  // namespace
 }  // namespace partpose
