@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 namespace partpose {
 
@@ -229,43 +230,53 @@ std::vector<RunSummary> summarize_runs(const std::vector<FrameRecord>& records, 
 
 std::vector<AcceptPoint> accept_curve(const std::vector<const FrameRecord*>& known,
                                       const std::vector<const FrameRecord*>& left_out) {
+  const auto shows_a_part = [](const FrameRecord* r) { return !r->evaluation.ground_truth_model_name.empty(); };
   std::set<double, std::greater<>> thresholds = {0.0};
   for (const auto* records : {&known, &left_out})
     for (const auto* record : *records)
       if (record->score >= 0) thresholds.insert(record->score);
-  const auto percent = [](const std::vector<const FrameRecord*>& records, const auto& counts) {
-    if (records.empty()) return 0.0;
-    return 100.0 * static_cast<double>(std::count_if(records.begin(), records.end(), counts)) /
-           static_cast<double>(records.size());
+  const auto percent = [](const std::vector<const FrameRecord*>& records, std::ptrdiff_t of, const auto& counts) {
+    return of ? 100.0 * static_cast<double>(std::count_if(records.begin(), records.end(), counts)) /
+                    static_cast<double>(of)
+              : 0.0;
   };
+  const auto known_count = std::count_if(known.begin(), known.end(), shows_a_part);
+  const auto left_out_count = static_cast<std::ptrdiff_t>(left_out.size());
   std::vector<AcceptPoint> curve = {{*thresholds.begin() + 1, 0, 0}};
   for (const double threshold : thresholds) {
     const auto accepted = [&](const FrameRecord* r) { return r->score >= 0 && r->score >= threshold; };
-    curve.push_back({threshold, percent(known, [&](const FrameRecord* r) { return accepted(r) && r->best_is_right; }),
-                     percent(left_out, accepted)});
+    curve.push_back({threshold,
+                     percent(known, known_count, [&](const FrameRecord* r) { return accepted(r) && r->best_is_right; }),
+                     percent(left_out, left_out_count, accepted)});
   }
   return curve;
 }
 
-void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec& spec, const fs::path& output) {
-  // In the order of the spec, whatever the order in which the frames were finished.
-  std::vector<FrameRecord> records = unsorted;
-  std::vector<std::string> run_order;
-  for (const auto& group : spec.groups)
-    for (const auto& protocol : spec.protocols) run_order.push_back(group.name + " / " + protocol.name + " / ");
-  const auto rank = [&](const FrameRecord& record) {
-    const std::string prefix = record.group + " / " + record.protocol + " / ";
-    return std::find(run_order.begin(), run_order.end(), prefix) - run_order.begin();
+std::vector<FrameRecord> in_order_of(const ExperimentSpec& spec, std::vector<FrameRecord> records) {
+  const auto place = [](const auto& items, const auto& is_it) {
+    return std::find_if(items.begin(), items.end(), is_it) - items.begin();
+  };
+  const auto rank = [&](const FrameRecord& r) {
+    const auto named = [](const std::string& name) { return [&name](const auto& item) { return item.name == name; }; };
+    return std::tuple(place(spec.groups, named(r.group)), place(spec.protocols, named(r.protocol)),
+                      place(spec.configurations, named(r.configuration)),
+                      place(spec.descriptors, [&](const auto& descriptor) { return descriptor == r.descriptor; }));
   };
   std::stable_sort(records.begin(), records.end(), [&](const auto& a, const auto& b) {
-    return std::tuple(rank(a), a.run, a.frame) < std::tuple(rank(b), b.run, b.frame);
+    return std::tuple(rank(a), std::tie(a.run, a.frame)) < std::tuple(rank(b), std::tie(b.run, b.frame));
   });
+  return records;
+}
+
+void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec& spec, const fs::path& output) {
+  const std::vector<FrameRecord> records = in_order_of(spec, unsorted);
   const auto summaries = summarize_runs(records, spec);
 
   std::string page = "# " + spec.name + "\n";
   Table recognition({"group", "protocol", "configuration", "descriptor", "total", "correct", "incorrect", "no_result"});
   Table poses({"group", "protocol", "configuration", "descriptor", "under_limits", "of_correct_percent",
-               "of_total_percent", "rotation_median_deg", "translation_median_mm"});
+               "of_total_percent", "mssd_10_of_total_percent", "mssd_5_of_total_percent",
+               "mssd_10_or_indistinguishable_of_total_percent", "rotation_median_deg", "translation_median_mm"});
   Table confusion({"group", "protocol", "configuration", "descriptor", "shown", "recognized_as", "frames"});
   Table times({"group", "protocol", "configuration", "descriptor", "step", "median_ms", "p95_ms"});
   Json json;
@@ -303,6 +314,12 @@ void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec
     json["runs"].push_back(entry);
   }
 
+  std::set<std::string> plots;
+  const auto plot_name = [&](const std::string& title) {
+    std::string name = file_name_of(title);
+    for (int k = 2; !plots.insert(name).second; ++k) name = fmt::format("{}-{}", file_name_of(title), k);
+    return name;
+  };
   for (const auto& runs : by_group_and_protocol(summaries)) {
     const RunSummary& best = *runs[0];
     const std::string title = best.group + ", " + best.protocol;
@@ -315,8 +332,8 @@ void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec
         rotation.push_back({short_name(*run), run->rotation_errors_deg});
         translation.push_back({short_name(*run), run->translation_errors_mm});
       }
-      const std::string rotation_file = file_name_of(title) + "-rotation.svg",
-                        translation_file = file_name_of(title) + "-translation.svg";
+      const std::string plot = plot_name(title), rotation_file = plot + "-rotation.svg",
+                        translation_file = plot + "-translation.svg";
       write_file_atomically(output / rotation_file, box_plot_svg("Rotation error: " + title, "deg", rotation));
       write_file_atomically(output / translation_file, box_plot_svg("Translation error: " + title, "mm", translation));
       page += fmt::format(

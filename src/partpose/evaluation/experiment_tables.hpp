@@ -23,6 +23,10 @@ struct RunSummary {
   double percent(int count) const { return frames ? 100.0 * count / frames : 0; }
 };
 
+/// By group, protocol, configuration and descriptor as the spec has them, then by frame: whatever the order in which
+/// the frames were finished.
+std::vector<FrameRecord> in_order_of(const ExperimentSpec& spec, std::vector<FrameRecord> records);
+
 /// One for each run, in the order of their first records.
 std::vector<RunSummary> summarize_runs(const std::vector<FrameRecord>& records, const ExperimentSpec& spec);
 

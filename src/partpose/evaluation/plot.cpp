@@ -16,10 +16,13 @@ namespace {
 constexpr std::array<const char*, 7> colours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                 "#e69f00", "#56b4e9", "#555555"};
 
+/// Control characters, for which XML 1.0 has no form, become question marks.
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '<')
+    if (static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r')
+      out += '?';
+    else if (c == '<')
       out += "&lt;";
     else if (c == '>')
       out += "&gt;";
@@ -85,7 +88,9 @@ double quantile(std::vector<double> values, double share) {
 }
 
 std::string box_plot_svg(const std::string& title, const std::string& value_label,
-                         const std::vector<BoxSeries>& series) {
+                         const std::vector<BoxSeries>& given) {
+  std::vector<BoxSeries> series = given;
+  for (auto& s : series) std::erase_if(s.values, [](double value) { return !std::isfinite(value); });
   constexpr int slot = 110, box = 44;
   const int width = std::max(left + slot * static_cast<int>(series.size()) + 20, 420);
   double largest = 0;

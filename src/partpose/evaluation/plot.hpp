@@ -20,7 +20,8 @@ struct LineSeries {
 };
 
 /// Box from the first to the third quartile with the median; whiskers to the farthest values within 1.5 box lengths of
-/// it; beyond them one dot each (Tukey 1977). The axis starts at 0. A series without values has no box.
+/// it; beyond them one dot each (Tukey 1977). The axis starts at 0. A series without values has no box;
+/// values that are not finite are left out.
 std::string box_plot_svg(const std::string& title, const std::string& value_label,
                          const std::vector<BoxSeries>& series);
 
