@@ -1,7 +1,7 @@
-# Readers of CAD files that stand on large libraries: found or cleanly absent. A build without them reads STL and PLY,
+# Readers of CAD files that stand on large libraries: found or cleanly absent. A build without them reads STL, PLY and OFF,
 # and says of any other file what is missing.
 set(PARTPOSE_WITH_OCCT AUTO CACHE STRING "Read STEP by OpenCASCADE: ON (required), OFF, or AUTO (when it is found)")
-set(PARTPOSE_WITH_ASSIMP AUTO CACHE STRING "Read OBJ, OFF, 3MF and glTF by Assimp: ON (required), OFF, or AUTO")
+set(PARTPOSE_WITH_ASSIMP AUTO CACHE STRING "Read OBJ, 3MF and glTF by Assimp: ON (required), OFF, or AUTO")
 set_property(CACHE PARTPOSE_WITH_OCCT PARTPOSE_WITH_ASSIMP PROPERTY STRINGS AUTO ON OFF)
 
 set(PARTPOSE_HAS_OCCT OFF)
@@ -24,7 +24,7 @@ if(PARTPOSE_WITH_ASSIMP)
   endif()
 endif()
 message(STATUS "partpose: STEP by OpenCASCADE: ${PARTPOSE_HAS_OCCT} ${OpenCASCADE_VERSION}; "
-               "OBJ, OFF, 3MF, glTF by Assimp: ${PARTPOSE_HAS_ASSIMP} ${assimp_VERSION}")
+               "OBJ, 3MF, glTF by Assimp: ${PARTPOSE_HAS_ASSIMP} ${assimp_VERSION}")
 
 function(partpose_cad TARGET)
   if(PARTPOSE_HAS_OCCT)

@@ -10,7 +10,7 @@
 #include "partpose/evaluation/experiment_tables.hpp"
 #include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
-#include "partpose/io/model_files.hpp"
+#include "partpose/io/mesh_files.hpp"
 #include "partpose/io/pcd.hpp"
 #include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/global_pipeline.hpp"
@@ -72,13 +72,8 @@ ExperimentSpec read_spec(const fs::path& path) {
   return spec;
 }
 
-std::vector<fs::path> stl_files(const PartGroup& group) {
-  std::vector<fs::path> paths;
-  for (const auto& part : group.parts) {
-    const auto found = model_files(part);
-    paths.insert(paths.end(), found.begin(), found.end());
-  }
-  return paths;
+std::vector<NamedMesh> parts_of(const PartGroup& group) {
+  return read_meshes(std::vector<fs::path>(group.parts.begin(), group.parts.end()));
 }
 
 /// A scene that can be read when its turn comes, and what it shows.
@@ -117,14 +112,14 @@ class Experiment {
 Dataset Experiment::dataset(const PartGroup& group, const std::string& config_file) const {
   const auto config = config_file.empty() ? DatasetPreparationConfig{} : read_dataset_config(config_file);
   std::string content = to_json(config).dump();
-  const auto paths = stl_files(group);
-  for (const auto& path : paths) content += path.stem().string() + "\n" + content_hash(read_file(path)) + "\n";
+  const auto parts = parts_of(group);
+  for (const auto& part : parts) content += part.name + "\n" + content_hash(part.mesh) + "\n";
   const fs::path folder = output_ / "datasets" / (file_name_of(group.name) + "-" + content_hash(content).substr(0, 12));
   try {
     return open_dataset(folder);
   } catch (const Error&) {
     fs::create_directories(folder.parent_path());
-    return create_dataset(config, paths, folder, progress_);
+    return create_dataset(config, parts, folder, progress_);
   }
 }
 
@@ -133,7 +128,7 @@ std::vector<TestScene> Experiment::scenes(const PartGroup& group, const Experime
   if (!protocol.captured.empty()) {
     const CapturedSet set = read_captured_set(protocol.captured);
     std::set<std::string> names;
-    for (const auto& path : stl_files(group)) names.insert(path.stem().string());
+    for (const auto& part : parts_of(group)) names.insert(part.name);
     for (const auto& scene : set.scenes) {
       const bool wanted = protocol.kinds.empty() ||
                           std::find(protocol.kinds.begin(), protocol.kinds.end(), scene.kind) != protocol.kinds.end();
@@ -306,7 +301,7 @@ void check_names(const Items& items, const char* key) {
 
 void PartGroup::check() const {
   if (name.empty()) throw Error("name: must not be empty");
-  if (parts.empty()) throw Error("parts: give at least one STL file or folder");
+  if (parts.empty()) throw Error("parts: give at least one model file or folder");
 }
 
 void ExperimentProtocol::check() const {

@@ -5,6 +5,7 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/text.hpp"
 #include "partpose/io/file.hpp"
+#include "partpose/io/isolated_reader.hpp"
 #include "partpose/io/model_files.hpp"
 #include "partpose/io/zip.hpp"
 
@@ -103,10 +104,7 @@ void collect(const aiScene& scene, const aiNode& node, const aiMatrix4x4& scene_
     collect(scene, *node.mChildren[c], scene_from_node, unit, split, known, parts, path);
 }
 
-}  // namespace
-
-std::vector<NamedMesh> read_with_assimp(const fs::path& path, const MeshReadOptions& options) {
-  options.check();
+std::vector<NamedMesh> read_here(const fs::path& path, const MeshReadOptions& options) {
   read_file(path);  // says what is wrong with the file itself
   const std::string ending = lower_case_ending(path);
   const bool is_gltf = ending == ".gltf" || ending == ".glb", is_3mf = ending == ".3mf";
@@ -129,6 +127,13 @@ std::vector<NamedMesh> read_with_assimp(const fs::path& path, const MeshReadOpti
   if (parts.empty()) throw Error("{}: has no triangles", path.string());
   for (auto& part : parts) part.mesh = with_merged_vertices(part.mesh);
   return parts;
+}
+
+}  // namespace
+
+std::vector<NamedMesh> read_with_assimp(const fs::path& path, const MeshReadOptions& options) {
+  options.check();
+  return read_isolated(path, "Assimp", [&] { return read_here(path, options); });
 }
 
 #endif

@@ -3,9 +3,11 @@
 #include "partpose/io/mesh_files.hpp"
 
 #include "partpose/core/error.hpp"
+#include "partpose/core/hash.hpp"
 #include "partpose/io/assimp_meshes.hpp"
 #include "partpose/io/file.hpp"
 #include "partpose/io/model_files.hpp"
+#include "partpose/io/off.hpp"
 #include "partpose/io/ply.hpp"
 #include "partpose/io/step.hpp"
 #include "partpose/io/stl.hpp"
@@ -81,6 +83,8 @@ std::vector<NamedMesh> read_mesh_file(const fs::path& file, const MeshReadOption
     parts = read_step(file, options);
   else if (ending == ".ply")
     parts.push_back({"", read_ply_mesh(file), file, ""});
+  else if (ending == ".off")
+    parts.push_back({"", read_off(file), file, ""});
   else if (const auto& known = mesh_file_endings();
            ending == ".stl" || std::find(known.begin(), known.end(), ending) == known.end())
     parts.push_back({"", read_stl(file), file, ""});
@@ -89,6 +93,13 @@ std::vector<NamedMesh> read_mesh_file(const fs::path& file, const MeshReadOption
   give_names(parts, file);
   for (const auto& part : parts) check_usable(part);
   return parts;
+}
+
+std::string content_hash(const TriangleMesh& mesh) {
+  const auto bytes_of = [](const auto& items) {
+    return std::string_view(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(items[0]));
+  };
+  return content_hash(bytes_of(mesh.vertices)) + content_hash(bytes_of(mesh.triangles));
 }
 
 void check_names_differ(const std::vector<NamedMesh>& parts) {

@@ -43,7 +43,7 @@ struct NamedMesh {
 /// The endings of the files that read_meshes knows, lower case with the dot, whether or not this build reads them.
 const std::vector<std::string>& mesh_file_endings();
 
-/// Whether this build reads STEP (by OpenCASCADE), and OBJ, OFF, 3MF and glTF (by Assimp). STL and PLY always.
+/// Whether this build reads STEP (by OpenCASCADE), and OBJ, 3MF and glTF (by Assimp). STL, PLY and OFF always.
 bool reads_step();
 bool reads_assimp_formats();
 
@@ -61,6 +61,9 @@ std::vector<NamedMesh> read_meshes(const std::vector<std::filesystem::path>& fil
 
 /// The parts of one file, whose names may be those of another file's.
 std::vector<NamedMesh> read_mesh_file(const std::filesystem::path& file, const MeshReadOptions& options = {});
+
+/// Tells whether a mesh changed.
+std::string content_hash(const TriangleMesh& mesh);
 
 /// Throws Error, naming both files, when two parts have the same name.
 void check_names_differ(const std::vector<NamedMesh>& parts);

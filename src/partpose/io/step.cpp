@@ -4,6 +4,7 @@
 
 #include "partpose/core/error.hpp"
 #include "partpose/io/file.hpp"
+#include "partpose/io/isolated_reader.hpp"
 
 #ifdef PARTPOSE_HAS_OCCT
 #include <BRepMesh_IncrementalMesh.hxx>
@@ -12,8 +13,6 @@
 #include <IFSelect_ReturnStatus.hxx>
 #include <IMeshTools_Parameters.hxx>
 #include <Interface_Static.hxx>
-#include <Message.hxx>
-#include <Message_Messenger.hxx>
 #include <Poly_Triangulation.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
@@ -32,7 +31,6 @@
 #include <XCAFDoc_ShapeTool.hxx>
 #endif
 
-#include <mutex>
 #include <numbers>
 #include <string_view>
 
@@ -144,8 +142,7 @@ TriangleMesh mesh_of(const std::vector<TopoDS_Shape>& solids, const MeshReadOpti
   return mesh;
 }
 
-std::vector<NamedMesh> read_locked(const fs::path& path, const MeshReadOptions& options) {
-  Message::DefaultMessenger()->ChangePrinters().Clear();  // it would print; what went wrong is told by Error
+std::vector<NamedMesh> read_here(const fs::path& path, const MeshReadOptions& options) {
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
   STEPCAFControl_Reader reader;
   reader.SetColorMode(false);
@@ -156,7 +153,8 @@ std::vector<NamedMesh> read_locked(const fs::path& path, const MeshReadOptions& 
   TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
   reader.ChangeReader().FileUnits(lengths, angles, solid_angles);
   Handle(TDocStd_Document) document = new TDocStd_Document("partpose");
-  if (!reader.Transfer(document)) throw Error("{}: holds no shape", path.string());
+  if (!reader.Transfer(document))
+    throw Error("{}: holds no solid, and no other shape: export the part as a closed body", path.string());
 
   const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
   TDF_LabelSequence roots;
@@ -190,15 +188,15 @@ std::vector<NamedMesh> read_locked(const fs::path& path, const MeshReadOptions& 
 }  // namespace
 
 std::vector<NamedMesh> read_step(const fs::path& path, const MeshReadOptions& options) {
-  static std::mutex one_at_a_time;  // OpenCASCADE's readers share global state
   options.check();
   check_envelope(path);
-  const std::lock_guard lock(one_at_a_time);
-  try {
-    return read_locked(path, options);
-  } catch (const Standard_Failure& failure) {
-    throw Error("{}: OpenCASCADE cannot make solids of it: {}", path.string(), failure.GetMessageString());
-  }
+  return read_isolated(path, "OpenCASCADE", [&] {
+    try {
+      return read_here(path, options);
+    } catch (const Standard_Failure& failure) {
+      throw Error("{}: OpenCASCADE cannot make solids of it: {}", path.string(), failure.GetMessageString());
+    }
+  });
 }
 
 #endif

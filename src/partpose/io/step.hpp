@@ -8,7 +8,7 @@ namespace partpose {
 
 /// The solids of a STEP file (ISO 10303-21: AP203, AP214, AP242), by OpenCASCADE: in mm whatever the file's unit, cut
 /// into triangles, outwards. A part that an assembly holds several times comes once. Throws Error when the file is not
-/// STEP, ends early or holds no solid, and in a build without OpenCASCADE. Calls wait for each other.
+/// STEP, ends early or holds no solid, and in a build without OpenCASCADE.
 std::vector<NamedMesh> read_step(const std::filesystem::path& path, const MeshReadOptions& options);
 
 }  // namespace partpose
