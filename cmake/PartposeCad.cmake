@@ -26,7 +26,11 @@ endif()
 message(STATUS "partpose: STEP by OpenCASCADE: ${PARTPOSE_HAS_OCCT} ${OpenCASCADE_VERSION}; "
                "OBJ, 3MF, glTF by Assimp: ${PARTPOSE_HAS_ASSIMP} ${assimp_VERSION}")
 
+# For TARGET's own sources; the tests write STEP files, too.
 function(partpose_cad TARGET)
+  if(NOT TARGET ${TARGET})
+    return()
+  endif()
   if(PARTPOSE_HAS_OCCT)
     target_compile_definitions(${TARGET} PRIVATE PARTPOSE_HAS_OCCT)
     target_include_directories(${TARGET} SYSTEM PRIVATE ${OpenCASCADE_INCLUDE_DIR})

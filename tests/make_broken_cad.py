@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 partpose contributors
 # SPDX-License-Identifier: Apache-2.0
-"""make_broken_cad.py FOLDER: 30 model files that cannot be used, of all formats, and 6 good ones among them.
+"""make_broken_cad.py FOLDER: 31 model files that cannot be used, of all formats, and 7 good ones among them.
 
-Needs Python alone. Prints the number of broken and of good files that this machine's partpose can tell apart; the good
-ones are named good_*. One of the broken ones is a folder, one a dangling link (chmod says nothing to root).
+The good ones, a block of 20 x 30 x 40 mm each, are named good_*. Prints how many are broken and how many good.
 """
 import json
 import struct
@@ -105,6 +104,8 @@ END-ISO-10303-21;
 
 
 def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     nan = [(float("nan"), 0, 0)] + CUBE[1:]
@@ -112,7 +113,7 @@ def main():
     files = {
         "good_binary.stl": whole,
         "good_solid_header.stl": binary_stl(header=b"solid exported by a program that cannot know better"),
-        "good.obj": obj(), "good.off": off(), "good.ply": ply(), "good_metres.glb": glb(),
+        "good_obj.obj": obj(), "good_off.off": off(), "good_ply.ply": ply(), "good_gltf.glb": glb(),
         "01_empty.stl": b"",
         "02_truncated.stl": whole[:-60],
         "03_longer_than_it_says.stl": whole + b"\0" * 25,
@@ -146,8 +147,12 @@ def main():
     for name, content in files.items():
         (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
     write_3mf(folder / "30_unknown_unit.3mf", model_3mf(unit="cubit"))
-    broken = sum(not name.startswith("good") for name in files) + 1
-    print(broken, len(files) + 1 - broken)
+    write_3mf(folder / "good_3mf.3mf", model_3mf())
+    link = folder / "31_link_to_nowhere.stl"
+    link.unlink(missing_ok=True)
+    link.symlink_to("nowhere.stl")
+    names = [path.name for path in folder.iterdir()]
+    print(sum(not name.startswith("good") for name in names), sum(name.startswith("good") for name in names))
 
 
 if __name__ == "__main__":

@@ -40,6 +40,7 @@ struct InspectArguments {
 struct PartReport {
   MeshInspection mesh;
   std::optional<StlNormals> stored_normals;  ///< of STL files
+  bool repairable = false;                   ///< not watertight, and repair makes it so
   std::optional<SymmetrySearch> symmetry;
   std::string symmetry_failure;
   std::optional<std::vector<int>> ambiguous_views;
@@ -72,7 +73,9 @@ std::vector<std::string> warnings_of(const NamedMesh& part, const PartReport& re
     out.push_back(fmt::format("{:.4g} mm across by the unit that the file states ({}): is that right?",
                               mesh.diagonal_mm, part.unit));
   }
-  if (!mesh.watertight) out.push_back(fmt::format("not watertight: {}", plural(mesh.open_edges, "open edge")));
+  if (!mesh.watertight)
+    out.push_back(fmt::format("not watertight: {}{}", plural(mesh.open_edges, "open edge"),
+                              report.repairable ? " (cracks: --repair welds them)" : ""));
   if (mesh.non_manifold_edges > 0)
     out.push_back(fmt::format("{} of more than two triangles", plural(mesh.non_manifold_edges, "edge")));
   if (mesh.flipped_triangles > 0)
@@ -148,6 +151,7 @@ PartReport inspect(const NamedMesh& part, const InspectArguments& arguments, con
   PartReport report;
   report.mesh = inspect_mesh(part.mesh);
   if (lower_case_ending(part.file) == ".stl") report.stored_normals = stl_normals(part.file);
+  if (!report.mesh.watertight) report.repairable = inspect_mesh(repair_mesh(part.mesh).mesh).watertight;
   try {
     report.symmetry = search_symmetries(part.mesh);
   } catch (const Error& error) {

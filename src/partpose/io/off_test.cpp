@@ -30,7 +30,7 @@ TEST(Off, SaysWhatIsWrongAndWhere) {
   };
   EXPECT_EQ(error("OFF", "FOO"), ": line 1, byte 0: 'FOO' where 'OFF' is expected");
   EXPECT_EQ(error("5 5 8", "5 -5 8"), ": line 2, byte 18: '-5', the number of faces from 0 to 2147483647 expected");
-  EXPECT_CONTAINS(error("10 10 0", "10 nan 0"), "line 5, byte 35: 'nan' where a coordinate");
+  EXPECT_CONTAINS(error("10 10 0", "10 nan 0"), "line 5, byte 38: 'nan' where a coordinate");
   EXPECT_CONTAINS(error("3 1 2 4", "3 1 5 4"), "'5' where a corner from 0 to 4 is expected");
   EXPECT_CONTAINS(error("5 5 8", "5 6 8"), "the file ends here, the number of corners expected: truncated");
   EXPECT_CONTAINS(error("5 5 8", "5 0 8"), "has no triangles");
