@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
 #include "output.hpp"
+#include "parts.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/parallel.hpp"
@@ -9,8 +9,6 @@
 #include "partpose/evaluation/ambiguity.hpp"
 #include "partpose/geometry/symmetry_search.hpp"
 #include "partpose/io/camera_json.hpp"
-#include "partpose/io/model_files.hpp"
-#include "partpose/io/stl.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -27,6 +25,7 @@ namespace fs = std::filesystem;
 
 struct AmbiguityArguments {
   std::vector<fs::path> models;
+  MeshReadOptions reading;
   fs::path camera, jsonl;
   IcosahedronOptions views;
   AmbiguitySearch::Options options;
@@ -35,11 +34,8 @@ struct AmbiguityArguments {
 void list(const AmbiguityArguments& arguments, const Common& common) {
   arguments.views.check();
   std::vector<AmbiguityPart> parts;
-  for (const auto& given : arguments.models)
-    for (const auto& path : model_files(given)) {
-      const TriangleMesh mesh = read_stl(path);
-      parts.push_back({path.stem().string(), mesh, search_symmetries(mesh).found.symmetries});
-    }
+  for (auto& part : read_parts(arguments.models, arguments.reading, common))
+    parts.push_back({part.name, part.mesh, search_symmetries(part.mesh).found.symmetries});
   const AmbiguitySearch search(parts, read_camera(arguments.camera).intrinsics, arguments.options);
   const auto views = icosahedron_views(arguments.views);
   std::vector<std::vector<AmbiguousPose>> found(parts.size() * views.size());
@@ -96,7 +92,8 @@ void add_ambiguity_command(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<AmbiguityArguments>();
   auto* ambiguity =
       app.add_subcommand("ambiguity", "Find the views of parts that do not tell the pose, or the part, to a camera");
-  ambiguity->add_option("models", arguments->models, "STL files, or folders of them")->required();
+  ambiguity->add_option("models", arguments->models, part_files_help)->required();
+  add_reading_options(*ambiguity, arguments->reading);
   ambiguity->add_option("--camera", arguments->camera, "Camera JSON")->required();
   ambiguity->add_option("--distance", arguments->views.capture_distance_mm, "From the camera to the part's centre [mm]")
       ->capture_default_str();

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
+#include "parts.hpp"
 #include "output.hpp"
 #include "recognition_output.hpp"
 #include "terminal.hpp"
@@ -9,7 +9,6 @@
 #include "partpose/core/text.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
-#include "partpose/io/model_files.hpp"
 #include "partpose/io/png.hpp"
 #include "partpose/io/scene.hpp"
 #include "partpose/pipeline/catalogue_cache.hpp"
@@ -106,7 +105,7 @@ void check_models_are_known(const CapturedSet& set, const Catalogue& catalogue) 
 void evaluate_captured(const CapturedArguments& arguments, const Common& common) {
   const CapturedSet set = read_captured_set(arguments.set);
   const Recognizer recognizer(cached_catalogue(
-      model_files(arguments.models.empty() ? arguments.set / "models" : arguments.models), DatasetPreparationConfig{},
+      read_parts({arguments.models.empty() ? arguments.set / "models" : arguments.models}, {}, common), DatasetPreparationConfig{},
       Recognizer::catalogue_config(), arguments.cache.empty() ? default_cache_folder() : arguments.cache,
       terminal_progress(common.quiet)));
   std::optional<std::ofstream> jsonl;
@@ -151,7 +150,7 @@ void add_captured_command(CLI::App& app, const Common& common) {
   auto* captured =
       app.add_subcommand("captured", "Recognize a folder of captured scenes with ground truth and compare");
   captured->add_option("set", arguments->set, "Folder with gt.json, symmetries.json and models/")->required();
-  captured->add_option("-m,--models", arguments->models, "Folder of STL files, when it is not models/ in the set");
+  captured->add_option("-m,--models", arguments->models, "Folder of model files, when it is not models/ in the set");
   captured
       ->add_option("--kind", arguments->kinds,
                    "Only scenes of this kind (object_only, with_table, full_frame, instance)")

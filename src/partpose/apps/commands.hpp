@@ -12,6 +12,7 @@ namespace partpose::apps {
 struct Common {
   bool quiet = false;
   int threads = 0;
+  mutable int failures = 0;  ///< model files that could not be read; each was reported
 };
 
 // Each adds its subcommands to the app; what they do runs as their callback.
@@ -19,6 +20,7 @@ void add_ambiguity_command(CLI::App& app, const Common& common);
 void add_dataset_commands(CLI::App& app, const Common& common);
 void add_bop_commands(CLI::App& app, const Common& common);
 void add_captured_command(CLI::App& app, const Common& common);
+void add_inspect_command(CLI::App& app, const Common& common);
 void add_evaluate_command(CLI::App& app, const Common& common);
 void add_report_command(CLI::App& app, const Common& common);
 void add_experiment_command(CLI::App& app, const Common& common);

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
+#include "parts.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/stopwatch.hpp"
 #include "partpose/dataset/dataset.hpp"
-#include "partpose/io/model_files.hpp"
 #include "partpose/pipeline/catalogue.hpp"
 #include "partpose/pipeline/config_file.hpp"
 
@@ -23,17 +22,14 @@ namespace fs = std::filesystem;
 
 struct DatasetArguments {
   std::vector<fs::path> models;
+  MeshReadOptions reading;
   fs::path model_list;
   fs::path config;
   fs::path output;
 };
 
 void make_dataset(const DatasetArguments& arguments, const Common& common) {
-  std::vector<fs::path> paths;
-  for (const auto& path : arguments.models) {
-    const auto found = model_files(path);
-    paths.insert(paths.end(), found.begin(), found.end());
-  }
+  std::vector<fs::path> paths = arguments.models;
   if (!arguments.model_list.empty()) {
     const auto listed = read_model_list(arguments.model_list);
     paths.insert(paths.end(), listed.begin(), listed.end());
@@ -42,7 +38,8 @@ void make_dataset(const DatasetArguments& arguments, const Common& common) {
   const auto config = arguments.config.empty() ? DatasetPreparationConfig{}
                                                : read_dataset_config(arguments.config);
   const Stopwatch watch;
-  const Dataset dataset = create_dataset(config, paths, arguments.output, terminal_progress(common.quiet));
+  const auto parts = read_parts(paths, arguments.reading, common);
+  const Dataset dataset = create_dataset(config, parts, arguments.output, terminal_progress(common.quiet));
   if (!common.quiet)
     fmt::print("{}: {} parts x {} views in {:.2f} s\n", arguments.output.string(), dataset.out.models.size(),
                dataset.out.views.size(), watch.elapsed_ms() / 1000);
@@ -53,7 +50,8 @@ void make_dataset(const DatasetArguments& arguments, const Common& common) {
 void add_dataset_commands(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<DatasetArguments>();
   auto* dataset = app.add_subcommand("dataset", "Render the views of all parts into a dataset folder");
-  dataset->add_option("-m,--models", arguments->models, "STL files, or folders of them");
+  dataset->add_option("-m,--models", arguments->models, part_files_help);
+  add_reading_options(*dataset, arguments->reading);
   dataset->add_option("--model-list", arguments->model_list, "JSON with \"model_paths\", relative to its own folder");
   dataset->add_option("-c,--config", arguments->config, "Dataset preparation JSON (default: 42 views from 650 mm)");
   dataset->add_option("-o,--output", arguments->output, "Folder to write; an older dataset there is replaced")->required();

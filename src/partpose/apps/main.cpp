@@ -45,15 +45,18 @@ int main(int argc, char** argv) {
       "  partpose report iterations/                           # a page to look at what --output wrote\n"
       "  partpose scenes --models parts/ --output drawn/       # draw frames of parts on a table, with their poses\n"
       "  partpose bop recognize toy/ -o partpose_toy-test.csv  # and on a dataset of the BOP benchmark's format\n"
+      "  partpose inspect parts/                               # size, unit, gaps, symmetry of model files\n"
       "  partpose symmetry parts/flange.stl                    # the turns that map a part onto itself\n"
       "  partpose ambiguity parts/ --camera camera.json        # views that do not tell the pose, or the part\n"
-      "Exit codes: 0 done (also when nothing was recognized), 2 bad input or usage.");
+      "Exit codes: 0 done (also when nothing was recognized), 2 bad input or usage, also when only some of the files\n"
+      "could not be read (a line on standard error for each; the others are used).");
 
   std::unique_ptr<ThreadLimit> limit;
   app.parse_complete_callback([&] { limit = std::make_unique<ThreadLimit>(common.threads); });
   int failures = 0;
   apps::add_recognize_command(app, common, failures);
   apps::add_dataset_commands(app, common);
+  apps::add_inspect_command(app, common);
   apps::add_evaluate_command(app, common);
   apps::add_experiment_command(app, common);
   apps::add_captured_command(app, common);
@@ -66,7 +69,7 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
-    return failures == 0 ? 0 : exit_bad_input;
+    return failures + common.failures == 0 ? 0 : exit_bad_input;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     return fail(fmt::format("{} (see partpose --help)", error.what()));

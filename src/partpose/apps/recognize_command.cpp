@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
+#include "parts.hpp"
 #include "output.hpp"
 #include "recognition_output.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/io/json.hpp"
-#include "partpose/io/model_files.hpp"
 #include "partpose/io/png.hpp"
 #include "partpose/io/scene.hpp"
 #include "partpose/pipeline/catalogue_cache.hpp"
@@ -32,6 +31,7 @@ namespace fs = std::filesystem;
 struct RecognizeArguments {
   std::vector<fs::path> scenes;
   std::vector<fs::path> models;
+  MeshReadOptions reading;
   fs::path dataset, config, camera, cache, jsonl, output, pictures;
   std::string units = "mm";
 };
@@ -39,9 +39,9 @@ struct RecognizeArguments {
 /// Either way to recognize a scene, behind one face.
 class AnyPipeline {
  public:
-  AnyPipeline(const RecognizeArguments& arguments, const Progress& progress) {
+  AnyPipeline(const RecognizeArguments& arguments, const Common& common, const Progress& progress) {
     if (arguments.models.empty() == arguments.dataset.empty())
-      throw Error("recognize: give the parts with --models (STL files) or with --dataset (a dataset folder)");
+      throw Error("recognize: give the parts with --models (model files) or with --dataset (a dataset folder)");
     if (!arguments.config.empty() && arguments.dataset.empty())
       throw Error("recognize: --config goes with --dataset; --models needs no configuration");
     if (!arguments.config.empty()) {
@@ -57,13 +57,8 @@ class AnyPipeline {
       recognizer_ = std::make_unique<Recognizer>(load_catalogue(open_dataset(arguments.dataset), config_, progress));
       return;
     }
-    std::vector<fs::path> paths;
-    for (const auto& path : arguments.models) {
-      const auto found = model_files(path);
-      paths.insert(paths.end(), found.begin(), found.end());
-    }
     recognizer_ = std::make_unique<Recognizer>(
-        cached_catalogue(paths, DatasetPreparationConfig{}, config_,
+        cached_catalogue(read_parts(arguments.models, arguments.reading, common), DatasetPreparationConfig{}, config_,
                          arguments.cache.empty() ? default_cache_folder() : arguments.cache, progress));
   }
 
@@ -93,7 +88,7 @@ void check_keeps_scenes(const fs::path& output, const std::vector<fs::path>& sce
 }
 
 int recognize_all(const RecognizeArguments& arguments, const Common& common) {
-  const AnyPipeline pipeline(arguments, terminal_progress(common.quiet));
+  const AnyPipeline pipeline(arguments, common, terminal_progress(common.quiet));
   if (arguments.units == "m" && pipeline.config().preprocessing.scale_flag)
     throw Error("recognize: --units m and the configuration's preprocessing.scale_flag would both scale the scenes");
   std::optional<std::ofstream> jsonl;
@@ -145,12 +140,13 @@ void add_recognize_command(CLI::App& app, const Common& common, int& failures) {
   recognize
       ->add_option(
           "-m,--models", arguments->models,
-          "STL file or folder of them, may be given more than once; the catalogue is made on first use and kept")
+          "Model file or folder of them, may be given more than once; the catalogue is made on first use and kept")
       ->allow_extra_args(false);
   recognize->add_option("-d,--dataset", arguments->dataset, "Dataset folder of the parts, instead of --models");
   recognize->add_option("-c,--config", arguments->config,
                         "Pipeline JSON: run exactly that pipeline on the dataset (default: nothing to configure)");
   recognize->add_option("--camera", arguments->camera, "Camera JSON for all depth images");
+  add_reading_options(*recognize, arguments->reading);
   recognize->add_option("--units", arguments->units, "Unit of clouds' coordinates: mm or m")
       ->check(CLI::IsMember({"mm", "m"}))
       ->capture_default_str();

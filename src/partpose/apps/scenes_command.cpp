@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
+#include "parts.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/stopwatch.hpp"
 #include "partpose/geometry/symmetry_search.hpp"
 #include "partpose/io/json.hpp"
-#include "partpose/io/model_files.hpp"
 #include "partpose/io/png.hpp"
 #include "partpose/io/stl.hpp"
 #include "partpose/synthesis/bop_scenes.hpp"
@@ -37,16 +36,10 @@ struct ScenesArguments {
   bool list_poses = false, print_config = false;
 };
 
-std::vector<ScenePart> read_parts(const std::vector<fs::path>& files_and_folders) {
+std::vector<ScenePart> scene_parts(const std::vector<fs::path>& files_and_folders, const Common& common) {
   std::vector<ScenePart> parts;
-  std::set<std::string> names;
-  for (const auto& file_or_folder : files_and_folders)
-    for (const auto& path : model_files(file_or_folder)) {
-      if (!names.insert(path.stem().string()).second)
-        throw Error("{}: another part is already named \"{}\"; a part is known by its file's name", path.string(),
-                    path.stem().string());
-      parts.push_back({path.stem().string(), read_stl(path)});
-    }
+  if (files_and_folders.empty()) return parts;
+  for (auto& part : read_parts(files_and_folders, {}, common)) parts.push_back({part.name, std::move(part.mesh)});
   return parts;
 }
 
@@ -85,7 +78,7 @@ void make_scenes(const ScenesArguments& arguments, const Common& common) {
     return;
   }
   if (arguments.models.empty()) throw Error("scenes: give the parts with --models");
-  std::vector<ScenePart> parts = read_parts(arguments.models), unknown = read_parts(arguments.unknown);
+  std::vector<ScenePart> parts = scene_parts(arguments.models, common), unknown = scene_parts(arguments.unknown, common);
   if (arguments.list_poses) {
     list_poses(parts, options.scene.resting_poses);
     return;
@@ -114,7 +107,7 @@ void make_scenes(const ScenesArguments& arguments, const Common& common) {
 void add_scenes_command(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<ScenesArguments>();
   auto* scenes = app.add_subcommand("scenes", "Draw depth frames of parts that lie on a table, with their exact poses");
-  scenes->add_option("-m,--models", arguments->models, "STL files of the catalogue, or folders of them")
+  scenes->add_option("-m,--models", arguments->models, "Model files of the catalogue, or folders of them")
       ->allow_extra_args(false);
   scenes->add_option("-n,--frames", arguments->frames, "How many frames")->capture_default_str();
   scenes->add_option("-o,--output", arguments->output,
@@ -127,7 +120,7 @@ void add_scenes_command(CLI::App& app, const Common& common) {
       ->check(CLI::Range(0, 100));
   scenes
       ->add_option("--unknown", arguments->unknown,
-                   "STL files or folders of parts that are not in the catalogue: one in each frame")
+                   "Model files or folders of parts that are not in the catalogue: one in each frame")
       ->allow_extra_args(false);
   scenes->add_option("--clutter", arguments->clutter, "At most so many boxes and cylinders in a frame (default: 0)")
       ->check(CLI::Range(0, 100));

@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
+#include "parts.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/pose.hpp"
 #include "partpose/core/stopwatch.hpp"
 #include "partpose/dataset/model_info.hpp"
 #include "partpose/io/json.hpp"
-#include "partpose/io/model_files.hpp"
-#include "partpose/io/stl.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -23,6 +21,7 @@ namespace fs = std::filesystem;
 
 struct SymmetryArguments {
   std::vector<fs::path> models;
+  MeshReadOptions reading;
   std::optional<double> tolerance_mm;
   bool json = false;
 };
@@ -58,30 +57,26 @@ void print(const char* heading, const MeasuredSymmetries& list) {
 
 void find(const SymmetryArguments& arguments, const Common& common) {
   Json all = Json::object();
-  for (const auto& path_given : arguments.models) {
-    for (const auto& path : model_files(path_given)) {
-      const TriangleMesh mesh = read_stl(path);
-      const Stopwatch watch;
-      SymmetrySearch search;
-      try {
-        search = search_symmetries(mesh, arguments.tolerance_mm);
-      } catch (const Error& error) {
-        throw Error("{}: {}", path.string(), error.what());
-      }
-      const double ms = watch.elapsed_ms();
-      const std::string name = path.stem().string();
-      if (arguments.json) {
-        all[name] = to_json(ModelInfo::of(name, mesh, ModelSymmetries::of(search)));
-        continue;
-      }
-      const auto& [found, near, tolerance_mm, diameter_mm] = search;
-      fmt::print("{}: {}, tolerance {:.2f} mm (diameter {:.1f} mm)", name,
-                 found.symmetries.empty() ? "no symmetry" : "symmetric", tolerance_mm, diameter_mm);
-      if (!common.quiet) fmt::print(", {:.0f} ms", ms);
-      fmt::print("\n");
-      print("symmetries", found);
-      print("but for a detail", near);
+  for (const auto& [name, mesh, path, unit] : read_parts(arguments.models, arguments.reading, common)) {
+    const Stopwatch watch;
+    SymmetrySearch search;
+    try {
+      search = search_symmetries(mesh, arguments.tolerance_mm);
+    } catch (const Error& error) {
+      throw Error("{}: {}", path.string(), error.what());
     }
+    const double ms = watch.elapsed_ms();
+    if (arguments.json) {
+      all[name] = to_json(ModelInfo::of(name, mesh, ModelSymmetries::of(search)));
+      continue;
+    }
+    const auto& [found, near, tolerance_mm, diameter_mm] = search;
+    fmt::print("{}: {}, tolerance {:.2f} mm (diameter {:.1f} mm)", name,
+               found.symmetries.empty() ? "no symmetry" : "symmetric", tolerance_mm, diameter_mm);
+    if (!common.quiet) fmt::print(", {:.0f} ms", ms);
+    fmt::print("\n");
+    print("symmetries", found);
+    print("but for a detail", near);
   }
   if (arguments.json) fmt::print("{}\n", all.dump(2));
 }
@@ -91,7 +86,8 @@ void find(const SymmetryArguments& arguments, const Common& common) {
 void add_symmetry_command(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<SymmetryArguments>();
   auto* symmetry = app.add_subcommand("symmetry", "Find the rotations that map a part onto itself");
-  symmetry->add_option("models", arguments->models, "STL files, or folders of them")->required();
+  symmetry->add_option("models", arguments->models, part_files_help)->required();
+  add_reading_options(*symmetry, arguments->reading);
   symmetry->add_option(
       "-t,--tolerance", arguments->tolerance_mm,
       "Largest distance between the surface and its turned copy [mm] (default: 0.5 mm, or 0.5 % of the diameter)");

@@ -216,7 +216,16 @@ Dataset open_dataset(const fs::path& folder) {
 Dataset create_dataset(const DatasetPreparationConfig& config, const std::vector<fs::path>& model_paths,
                        const fs::path& folder, const Progress& progress) {
   config.check();
-  if (model_paths.empty()) throw Error("no models given: a dataset needs at least one STL file");
+  if (model_paths.empty()) throw Error("no models given: a dataset needs at least one model file");
+  check_replaceable(folder);
+  return create_dataset(config, read_meshes(model_paths), folder, progress);
+}
+
+Dataset create_dataset(const DatasetPreparationConfig& config, const std::vector<NamedMesh>& parts,
+                       const fs::path& folder, const Progress& progress) {
+  config.check();
+  if (parts.empty()) throw Error("no models given: a dataset needs at least one part");
+  check_names_differ(parts);
   check_replaceable(folder);
 
   fs::path target = fs::absolute(folder).lexically_normal();
@@ -233,18 +242,13 @@ Dataset create_dataset(const DatasetPreparationConfig& config, const std::vector
     }
   } guard{dataset.folder};
 
-  std::set<std::string> names;
   std::vector<std::size_t> all;
-  for (const auto& path : model_paths) {
-    const std::string bytes = read_file(path);
-    const TriangleMesh mesh = parse_stl(bytes, path.string());
-    check_size(mesh, config, path);
-    DatasetModel model{centred_from_model(mesh), static_cast<int>(all.size()), path.stem().string(),
-                       content_hash(bytes), {}};
-    if (!names.insert(model.name).second)
-      throw Error("{}: another model is already named \"{}\"; a part is known by its file's name", path.string(), model.name);
+  for (const auto& part : parts) {
+    check_size(part.mesh, config, part.file);
+    DatasetModel model{centred_from_model(part.mesh), static_cast<int>(all.size()), part.name, {}, {}};
     fs::create_directories(dataset.model_folder(model.id));
-    write_file_atomically(dataset.mesh_path(model.id), bytes);
+    write_stl(dataset.mesh_path(model.id), part.mesh);
+    model.mesh_hash = content_hash(read_file(dataset.mesh_path(model.id)));
     all.push_back(all.size());
     dataset.out.models.push_back(std::move(model));
   }

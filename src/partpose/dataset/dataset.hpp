@@ -6,6 +6,7 @@
 #include "partpose/core/mesh.hpp"
 #include "partpose/core/progress.hpp"
 #include "partpose/dataset/model_info.hpp"
+#include "partpose/io/mesh_files.hpp"
 
 #include <Eigen/Geometry>
 
@@ -65,7 +66,7 @@ struct ModelList {
   static constexpr bool all_keys_required = true;
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
-    visit("model_paths", self.model_paths, "paths to the parts' STL files");
+    visit("model_paths", self.model_paths, "paths to the parts' model files");
   }
 };
 
@@ -81,7 +82,7 @@ struct DatasetModel {
   static void describe(Self& self, Visit&& visit) {
     visit("T1", self.T1, "moves the bounding box's centre to the origin, 4x4 [mm]");
     visit("id", self.id, "names the folder under models/");
-    visit("name", self.name, "the STL file's name without its ending");
+    visit("name", self.name, "the model file's name without its ending, or the part's own");
     visit("mesh_hash", self.mesh_hash, "tells whether mesh.stl changed since its views were rendered");
     ModelSymmetries::describe(self.symmetries, visit);
   }
@@ -136,10 +137,13 @@ struct Dataset {
 /// Reads and checks dataset.json. Throws Error when the folder is not a complete dataset.
 Dataset open_dataset(const std::filesystem::path& folder);
 
-/// Finds the symmetries of all models, renders their views and writes the folder: beside `folder` first, then renamed, so that a half-written
-/// dataset is never seen. An older dataset at `folder` is replaced; anything else there is an Error.
-/// Throws Error for no models, for two of the same name, for STL files that cannot be read, and for a file of symmetries
-/// that names none of the models.
+/// Finds the symmetries of all parts, renders their views and writes the folder: beside `folder` first, then renamed, so
+/// that a half-written dataset is never seen. An older dataset at `folder` is replaced; anything else there is an Error.
+/// Throws Error for no parts, for two of the same name, and for a file of symmetries that names none of them.
+Dataset create_dataset(const DatasetPreparationConfig& config, const std::vector<NamedMesh>& parts,
+                       const std::filesystem::path& folder, const Progress& progress = {});
+
+/// The same of all parts of these files and folders; Error when one cannot be read.
 Dataset create_dataset(const DatasetPreparationConfig& config, const std::vector<std::filesystem::path>& model_paths,
                        const std::filesystem::path& folder, const Progress& progress = {});
 

@@ -11,9 +11,8 @@
 #include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
-#include "partpose/io/model_files.hpp"
+#include "partpose/io/mesh_files.hpp"
 #include "partpose/io/pcd.hpp"
-#include "partpose/io/stl.hpp"
 #include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/global_pipeline.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
@@ -77,13 +76,8 @@ ExperimentSpec read_spec(const fs::path& path) {
   return spec;
 }
 
-std::vector<fs::path> stl_files(const PartGroup& group) {
-  std::vector<fs::path> paths;
-  for (const auto& part : group.parts) {
-    const auto found = model_files(part);
-    paths.insert(paths.end(), found.begin(), found.end());
-  }
-  return paths;
+std::vector<NamedMesh> parts_of(const PartGroup& group) {
+  return read_meshes(std::vector<fs::path>(group.parts.begin(), group.parts.end()));
 }
 
 /// A scene that can be read when its turn comes, and what it shows.
@@ -149,7 +143,7 @@ class Experiment {
 
 fs::path Experiment::data_folder(const PartGroup& group, const std::string& content) const {
   std::string all = content;
-  for (const auto& path : stl_files(group)) all += path.stem().string() + "\n" + content_hash(read_file(path)) + "\n";
+  for (const auto& part : parts_of(group)) all += part.name + "\n" + content_hash(part.mesh) + "\n";
   return output_ / "datasets" / (file_name_of(group.name) + "-" + content_hash(all).substr(0, 12));
 }
 
@@ -160,12 +154,12 @@ Dataset Experiment::dataset(const PartGroup& group, const std::string& config_fi
     return open_dataset(folder);
   } catch (const Error&) {
     fs::create_directories(folder.parent_path());
-    return create_dataset(config, stl_files(group), folder, progress_);
+    return create_dataset(config, parts_of(group), folder, progress_);
   }
 }
 
 std::vector<TestScene> Experiment::scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
-  if (protocol.left_out && stl_files(group).size() < 2) return {};  // the catalogue would be empty
+  if (protocol.left_out && parts_of(group).size() < 2) return {};  // the catalogue would be empty
   if (!protocol.captured.empty()) return captured_scenes(group, protocol);
   if (!protocol.scenes.empty()) return drawn_scenes(group, protocol);
   const Dataset test = dataset(group, protocol.views);
@@ -194,7 +188,7 @@ std::vector<TestScene> Experiment::scenes(const PartGroup& group, const Experime
 std::vector<TestScene> Experiment::captured_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
   const CapturedSet set = read_captured_set(protocol.captured);
   std::set<std::string> names;
-  for (const auto& path : stl_files(group)) names.insert(path.stem().string());
+  for (const auto& part : parts_of(group)) names.insert(part.name);
   const bool shows_the_group = std::any_of(set.scenes.begin(), set.scenes.end(),
                                            [&](const auto& scene) { return names.count(scene.model_name) > 0; });
   std::vector<TestScene> scenes;
@@ -217,7 +211,7 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
   const fs::path folder = data_folder(group, fmt::format("{} frames of {}", protocol.frames, to_json(options).dump()));
   if (!fs::exists(folder)) {
     std::vector<ScenePart> parts;
-    for (const auto& path : stl_files(group)) parts.push_back({path.stem().string(), read_stl(path)});
+    for (const auto& part : parts_of(group)) parts.push_back({part.name, part.mesh});
     fs::create_directories(folder.parent_path());
     write_scene_dataset(std::move(parts), {}, options, static_cast<std::size_t>(protocol.frames), folder, {},
                         progress_);
@@ -388,7 +382,7 @@ void check_names(const Items& items, const char* key) {
 
 void PartGroup::check() const {
   if (name.empty()) throw Error("name: must not be empty");
-  if (parts.empty()) throw Error("parts: give at least one STL file or folder");
+  if (parts.empty()) throw Error("parts: give at least one model file or folder");
 }
 
 void ExperimentProtocol::check() const {

@@ -21,7 +21,7 @@ struct PartGroup {
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("name", self.name, "names the group in the tables");
-    visit("parts", self.parts, "STL files, or folders of them");
+    visit("parts", self.parts, "model files, or folders of them");
   }
   void check() const;
 };

@@ -3,6 +3,9 @@
 #include "partpose/io/model_files.hpp"
 
 #include "partpose/core/error.hpp"
+#include "partpose/io/mesh_files.hpp"
+
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -11,17 +14,24 @@ namespace partpose {
 
 namespace fs = std::filesystem;
 
+std::string lower_case_ending(const fs::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
+
 std::vector<fs::path> model_files(const fs::path& file_or_folder) {
   if (!fs::exists(file_or_folder)) throw Error("{}: no such file or folder", file_or_folder.string());
   if (!fs::is_directory(file_or_folder)) return {file_or_folder};
   std::vector<fs::path> files;
+  const auto& known = mesh_file_endings();
   for (const auto& entry : fs::directory_iterator(file_or_folder)) {
-    std::string extension = entry.path().extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
-    if (extension == ".stl" && entry.is_regular_file()) files.push_back(entry.path());
+    const std::string ending = lower_case_ending(entry.path());
+    if (std::find(known.begin(), known.end(), ending) != known.end() && !entry.is_directory())
+      files.push_back(entry.path());
   }
-  if (files.empty()) throw Error("{}: has no STL files", file_or_folder.string());
+  if (files.empty())
+    throw Error("{}: has no model files (nothing that ends with {})", file_or_folder.string(), fmt::join(known, ", "));
   std::sort(files.begin(), files.end());
   return files;
 }

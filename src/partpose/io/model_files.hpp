@@ -3,12 +3,16 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace partpose {
 
-/// The file itself, or the STL files of a folder by name (not of its subfolders).
-/// Throws Error when there is no such file, or no STL in the folder.
+/// The file itself, or the files of a folder that have one of mesh_file_endings(), by name (not those of its
+/// subfolders). Throws Error when there is no such file, or none in the folder.
 std::vector<std::filesystem::path> model_files(const std::filesystem::path& file_or_folder);
+
+/// ".stl" of "Part.STL".
+std::string lower_case_ending(const std::filesystem::path& path);
 
 }  // namespace partpose

@@ -19,11 +19,12 @@ TEST(ModelFiles, AFileIsItself) {
 
 TEST(ModelFiles, OfAFolderByName) {
   const TempFolder folder;
-  for (const char* name : {"c.stl", "B.STL", "a.Stl", "readme.md", "a.stl.bak", "stl", ".stl"}) folder.file(name, "x");
+  for (const char* name : {"c.stl", "B.STL", "a.Stl", "d.StP", "readme.md", "a.stl.bak", "stl", ".stl"})
+    folder.file(name, "x");
   std::filesystem::create_directory(folder / "folder.stl");
   std::filesystem::create_directory(folder / "below");
   folder.file("below/deep.stl", "x");
-  EXPECT_EQ(model_files(folder / ""), (Paths{folder / "B.STL", folder / "a.Stl", folder / "c.stl"}));
+  EXPECT_EQ(model_files(folder / ""), (Paths{folder / "B.STL", folder / "a.Stl", folder / "c.stl", folder / "d.StP"}));
 }
 
 TEST(ModelFiles, SaysWhatIsMissing) {
@@ -31,7 +32,10 @@ TEST(ModelFiles, SaysWhatIsMissing) {
   EXPECT_EQ(error_of([&] { model_files(folder / "none"); }), (folder / "none").string() + ": no such file or folder");
   std::filesystem::create_directory(folder / "empty");
   folder.file("empty/readme.md", "x");
-  EXPECT_EQ(error_of([&] { model_files(folder / "empty"); }), (folder / "empty").string() + ": has no STL files");
+  EXPECT_EQ(error_of([&] { model_files(folder / "empty"); }),
+            (folder / "empty").string() +
+                ": has no model files (nothing that ends with .stl, .step, .stp, .obj, .ply, .off, .3mf, .gltf, "
+                ".glb)");
 }
 
 }  // namespace

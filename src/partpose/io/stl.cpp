@@ -21,7 +21,10 @@ constexpr std::size_t triangle_bytes = 50;  // normal and three corners, 3 float
 constexpr std::size_t normal_bytes = 12;
 constexpr float largest_mm = 1e6f;
 
-using Corners = std::vector<Eigen::Vector3f>;  ///< three in a row are a triangle
+struct Facets {
+  std::vector<Eigen::Vector3f> corners;  ///< three in a row are a triangle
+  std::vector<Eigen::Vector3f> normals;  ///< as stored, NaN where there is no number
+};
 
 /// Why a coordinate cannot be used, or nothing.
 std::string complaint_about(float mm) {
@@ -30,7 +33,7 @@ std::string complaint_about(float mm) {
   return {};
 }
 
-TriangleMesh mesh_from(Corners corners, std::string_view name) {
+TriangleMesh mesh_from(std::vector<Eigen::Vector3f> corners, std::string_view name) {
   if (corners.size() > std::numeric_limits<int>::max())
     throw Error("{}: {} triangles, at most {} can be read", name, corners.size() / 3,
                 std::numeric_limits<int>::max() / 3);
@@ -49,7 +52,7 @@ std::uint64_t binary_size(std::uint32_t triangles) {
   return first_triangle + triangle_bytes * std::uint64_t{triangles};
 }
 
-Corners parse_binary(std::string_view bytes, std::string_view name) {
+Facets parse_binary(std::string_view bytes, std::string_view name) {
   if (bytes.size() < first_triangle)
     throw Error(
         "{}: byte {}: the file ends here, a binary STL has at least {} bytes and an ASCII one begins with 'solid'",
@@ -61,11 +64,15 @@ Corners parse_binary(std::string_view bytes, std::string_view name) {
                 bytes.size() < binary_size(count) ? "truncated" : "too long");
   if (count == 0) throw Error("{}: byte {}: empty, header says 0 triangles", name, header_bytes);
 
-  Corners corners;
-  corners.reserve(3 * std::size_t{count});
+  Facets facets;
+  facets.corners.reserve(3 * std::size_t{count});
+  facets.normals.reserve(count);
   for (std::size_t t = 0; t < count; ++t) {
+    Eigen::Vector3f& normal = facets.normals.emplace_back();
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      normal[axis] = load<float>(bytes, first_triangle + triangle_bytes * t + 4 * axis);
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      Eigen::Vector3f& vertex = corners.emplace_back();
+      Eigen::Vector3f& vertex = facets.corners.emplace_back();
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::size_t offset = first_triangle + triangle_bytes * t + normal_bytes + 12 * corner + 4 * axis;
         vertex[axis] = load<float>(bytes, offset);
@@ -74,7 +81,7 @@ Corners parse_binary(std::string_view bytes, std::string_view name) {
       }
     }
   }
-  return corners;
+  return facets;
 }
 
 bool is_ascii(std::string_view bytes) {
@@ -102,22 +109,24 @@ float read_coordinate(TextReader& text) {
 }
 
 /// The part of a facet behind the word "facet".
-void parse_facet(TextReader& text, Corners& corners) {
+void parse_facet(TextReader& text, Facets& facets) {
   expect(text, "normal");
-  for (int axis = 0; axis < 3; ++axis) text.word();  // ignored, whatever it is
+  Eigen::Vector3f& normal = facets.normals.emplace_back();
+  for (float& component : normal)  // whatever it is
+    component = parse_float(text.word()).value_or(std::numeric_limits<float>::quiet_NaN());
   expect(text, "outer");
   expect(text, "loop");
   for (int corner = 0; corner < 3; ++corner) {
     expect(text, "vertex");
-    Eigen::Vector3f& vertex = corners.emplace_back();
+    Eigen::Vector3f& vertex = facets.corners.emplace_back();
     for (float& coordinate : vertex) coordinate = read_coordinate(text);
   }
   expect(text, "endloop");
   expect(text, "endfacet");
 }
 
-Corners parse_ascii(std::string_view bytes, std::string_view name) {
-  Corners corners;
+Facets parse_ascii(std::string_view bytes, std::string_view name) {
+  Facets facets;
   TextReader text(bytes, name);
   do {
     expect(text, "solid");
@@ -127,12 +136,16 @@ Corners parse_ascii(std::string_view bytes, std::string_view name) {
       if (word.empty()) text.fail("the file ends here, 'facet' or 'endsolid' expected: truncated");
       if (equal_ignoring_case(word, "endsolid")) break;
       if (!equal_ignoring_case(word, "facet")) text.fail("{} where 'facet' or 'endsolid' is expected", in_quotes(word));
-      parse_facet(text, corners);
+      parse_facet(text, facets);
     }
     text.skip_line();
   } while (!text.at_end());
-  if (corners.empty()) throw Error("{}: empty, no facet before the end of the file", text.place());
-  return corners;
+  if (facets.corners.empty()) throw Error("{}: empty, no facet before the end of the file", text.place());
+  return facets;
+}
+
+Facets parse(std::string_view bytes, std::string_view name) {
+  return is_ascii(bytes) ? parse_ascii(bytes, name) : parse_binary(bytes, name);
 }
 
 }  // namespace
@@ -140,7 +153,24 @@ Corners parse_ascii(std::string_view bytes, std::string_view name) {
 TriangleMesh read_stl(const std::filesystem::path& path) { return parse_stl(read_file(path), path.string()); }
 
 TriangleMesh parse_stl(std::string_view bytes, std::string_view name) {
-  return mesh_from(is_ascii(bytes) ? parse_ascii(bytes, name) : parse_binary(bytes, name), name);
+  return mesh_from(parse(bytes, name).corners, name);
+}
+
+StlNormals stl_normals(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  Facets facets = parse(bytes, path.string());
+  const auto normals = std::move(facets.normals);
+  const TriangleMesh mesh = mesh_from(std::move(facets.corners), path.string());
+  StlNormals found;
+  for (std::size_t t = 0; t < normals.size(); ++t) {
+    const Eigen::Vector3f by_winding = mesh.face_normal(t);
+    if (by_winding.isZero()) continue;
+    if (!normals[t].allFinite() || normals[t].isZero(0))
+      ++found.missing;
+    else
+      found.against += normals[t].cast<double>().dot(by_winding.cast<double>()) < 0;
+  }
+  return found;
 }
 
 void write_stl(const std::filesystem::path& path, const TriangleMesh& mesh) {

@@ -3,6 +3,7 @@
 #include "partpose/io/stl.hpp"
 
 #include "partpose/io/testing.hpp"
+#include "tests/shapes.hpp"
 
 #include <cstdint>
 
@@ -207,6 +208,26 @@ TEST(Stl, SurvivesDamage) {
   write_stl(folder / "a.stl", tetrahedron());
   EXPECT_EQ(survive_damage(content(folder / "a.stl"), read_stl), 0);
   survive_damage(ascii_triangle + ascii_triangle, read_stl);
+}
+
+TEST(Stl, StoredNormalsAreCompared) {
+  const TempFolder folder;
+  write_stl(folder / "a.stl", shapes::box({10, 20, 30}));
+  EXPECT_EQ(stl_normals(folder / "a.stl").missing + stl_normals(folder / "a.stl").against, 0);
+  std::string bytes = content(folder / "a.stl");
+  bytes.replace(84 + 50 * 3, 12, std::string(12, '\0'));
+  for (const int t : {5, 7})
+    for (int axis = 0; axis < 3; ++axis) bytes[84 + 50 * t + 4 * axis + 3] ^= '\x80';  // the signs
+  const auto found = stl_normals(folder.file("b.stl", bytes));
+  EXPECT_EQ(found.missing, 1);
+  EXPECT_EQ(found.against, 2);
+  const std::string facet =
+      "facet normal {}\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+  const auto ascii =
+      stl_normals(folder.file("c.stl", "solid x\n" + replaced(facet, "{}", "0 0 -1") + replaced(facet, "{}", "a b c") +
+                                           replaced(facet, "{}", "0 0 1") + "endsolid\n"));
+  EXPECT_EQ(ascii.missing, 1);
+  EXPECT_EQ(ascii.against, 1);
 }
 
 }  // namespace

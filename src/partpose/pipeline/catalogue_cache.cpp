@@ -4,7 +4,6 @@
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/hash.hpp"
-#include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
 
 #include <cstdlib>
@@ -26,8 +25,13 @@ fs::path default_cache_folder() {
 
 Catalogue cached_catalogue(const std::vector<fs::path>& model_paths, const DatasetPreparationConfig& dataset,
                            const GlobalPipelineConfig& pipeline, const fs::path& cache_folder, const Progress& progress) {
+  return cached_catalogue(read_meshes(model_paths), dataset, pipeline, cache_folder, progress);
+}
+
+Catalogue cached_catalogue(const std::vector<NamedMesh>& parts, const DatasetPreparationConfig& dataset,
+                           const GlobalPipelineConfig& pipeline, const fs::path& cache_folder, const Progress& progress) {
   std::string content = fmt::format("renderer {}\n", renderer_version) + to_json(dataset).dump();
-  for (const auto& path : model_paths) content += path.stem().string() + "\n" + content_hash(read_file(path)) + "\n";
+  for (const auto& part : parts) content += part.name + "\n" + content_hash(part.mesh) + "\n";
   const fs::path folder = cache_folder / content_hash(content);
   try {
     return load_catalogue(open_dataset(folder), pipeline, progress);
@@ -41,7 +45,7 @@ Catalogue cached_catalogue(const std::vector<fs::path>& model_paths, const Datas
   } catch (const fs::filesystem_error&) {
     throw Error("{}: the cache folder cannot be written; give another one with --cache", cache_folder.string());
   }
-  return load_catalogue(create_dataset(dataset, model_paths, folder, progress), pipeline, progress);
+  return load_catalogue(create_dataset(dataset, parts, folder, progress), pipeline, progress);
 }
 
 }  // namespace partpose

@@ -1,0 +1,43 @@
+# Readers of CAD files that stand on large libraries: found or cleanly absent. A build without them reads STL, PLY and OFF,
+# and says of any other file what is missing.
+set(PARTPOSE_WITH_OCCT AUTO CACHE STRING "Read STEP by OpenCASCADE: ON (required), OFF, or AUTO (when it is found)")
+set(PARTPOSE_WITH_ASSIMP AUTO CACHE STRING "Read OBJ, 3MF and glTF by Assimp: ON (required), OFF, or AUTO")
+set_property(CACHE PARTPOSE_WITH_OCCT PARTPOSE_WITH_ASSIMP PROPERTY STRINGS AUTO ON OFF)
+
+set(PARTPOSE_HAS_OCCT OFF)
+if(PARTPOSE_WITH_OCCT)
+  find_package(OpenCASCADE QUIET CONFIG)
+  if(OpenCASCADE_FOUND AND TARGET TKXDESTEP)
+    set(PARTPOSE_HAS_OCCT ON)
+  elseif(NOT PARTPOSE_WITH_OCCT STREQUAL "AUTO")
+    message(FATAL_ERROR "PARTPOSE_WITH_OCCT is ON and OpenCASCADE's TKXDESTEP is not found: "
+                        "install libocct-data-exchange-dev, or set it to OFF")
+  endif()
+endif()
+set(PARTPOSE_HAS_ASSIMP OFF)
+if(PARTPOSE_WITH_ASSIMP)
+  find_package(assimp QUIET CONFIG)
+  if(assimp_FOUND)
+    set(PARTPOSE_HAS_ASSIMP ON)
+  elseif(NOT PARTPOSE_WITH_ASSIMP STREQUAL "AUTO")
+    message(FATAL_ERROR "PARTPOSE_WITH_ASSIMP is ON and Assimp is not found: install libassimp-dev, or set it to OFF")
+  endif()
+endif()
+message(STATUS "partpose: STEP by OpenCASCADE: ${PARTPOSE_HAS_OCCT} ${OpenCASCADE_VERSION}; "
+               "OBJ, 3MF, glTF by Assimp: ${PARTPOSE_HAS_ASSIMP} ${assimp_VERSION}")
+
+# For TARGET's own sources; the tests write STEP files, too.
+function(partpose_cad TARGET)
+  if(NOT TARGET ${TARGET})
+    return()
+  endif()
+  if(PARTPOSE_HAS_OCCT)
+    target_compile_definitions(${TARGET} PRIVATE PARTPOSE_HAS_OCCT)
+    target_include_directories(${TARGET} SYSTEM PRIVATE ${OpenCASCADE_INCLUDE_DIR})
+    target_link_libraries(${TARGET} PRIVATE TKXDESTEP TKXCAF TKMesh)
+  endif()
+  if(PARTPOSE_HAS_ASSIMP)
+    target_compile_definitions(${TARGET} PRIVATE PARTPOSE_HAS_ASSIMP)
+    target_link_libraries(${TARGET} PRIVATE assimp::assimp)
+  endif()
+endfunction()

@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/io/isolated_reader.hpp"
+
+#include "partpose/core/error.hpp"
+#include "partpose/io/bytes.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+
+namespace partpose {
+
+namespace {
+
+constexpr char parts_follow = 'P', error_follows = 'E', end_mark = '.';
+
+void store_text(std::string& bytes, const std::string& text) {
+  store(bytes, static_cast<std::uint64_t>(text.size()));
+  bytes += text;
+}
+
+template <typename T>
+void store_items(std::string& bytes, const std::vector<T>& items) {
+  store(bytes, static_cast<std::uint64_t>(items.size()));
+  bytes.append(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T));
+}
+
+/// Walks a message; the child is our own program, so that a whole message (it ends in end_mark) is a right one.
+class Message {
+ public:
+  explicit Message(const std::string& bytes) : bytes_(bytes) {}
+
+  std::string text() {
+    const auto size = count();
+    at_ += size;
+    return bytes_.substr(at_ - size, size);
+  }
+  template <typename T>
+  std::vector<T> items() {
+    std::vector<T> items(count());
+    std::memcpy(static_cast<void*>(items.data()), bytes_.data() + at_, items.size() * sizeof(T));
+    at_ += items.size() * sizeof(T);
+    return items;
+  }
+  std::size_t count() {
+    at_ += sizeof(std::uint64_t);
+    return load<std::uint64_t>(bytes_, at_ - sizeof(std::uint64_t));
+  }
+
+ private:
+  const std::string& bytes_;
+  std::size_t at_ = 1;
+};
+
+std::string message_of(const std::function<std::vector<NamedMesh>()>& read) {
+  std::string bytes(1, parts_follow);
+  try {
+    const auto parts = read();
+    store(bytes, static_cast<std::uint64_t>(parts.size()));
+    for (const auto& part : parts) {
+      store_text(bytes, part.name);
+      store_text(bytes, part.unit);
+      store_items(bytes, part.mesh.vertices);
+      store_items(bytes, part.mesh.triangles);
+    }
+  } catch (const Error& error) {
+    bytes = error_follows;
+    store_text(bytes, error.what());
+  }
+  return bytes + end_mark;
+}
+
+[[noreturn]] void be_the_child(int to_parent, const std::function<std::vector<NamedMesh>()>& read) {
+  for (const int signal_number : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGINT, SIGTERM})
+    signal(signal_number, SIG_DFL);
+  const rlimit no_core_file{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core_file);
+  if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+  }
+  int exit_code = 0;
+  try {
+    const std::string bytes = message_of(read);
+    for (std::size_t sent = 0; sent < bytes.size();) {
+      const auto now = write(to_parent, bytes.data() + sent, bytes.size() - sent);
+      if (now < 0 && errno != EINTR) break;
+      if (now > 0) sent += static_cast<std::size_t>(now);
+    }
+  } catch (...) {  // out of memory: the message stays incomplete
+    exit_code = 1;
+  }
+  _exit(exit_code);
+}
+
+}  // namespace
+
+std::vector<NamedMesh> read_isolated(const std::filesystem::path& path, const char* library,
+                                     const std::function<std::vector<NamedMesh>()>& read_it) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) throw Error("{}: no pipe to a reader: {}", path.string(), std::strerror(errno));
+  const pid_t child = fork();
+  if (child < 0) {
+    const int reason = errno;
+    close(ends[0]);
+    close(ends[1]);
+    throw Error("{}: no process for a reader: {}", path.string(), std::strerror(reason));
+  }
+  if (child == 0) {
+    close(ends[0]);
+    be_the_child(ends[1], read_it);
+  }
+  close(ends[1]);
+  std::string bytes;
+  std::array<char, 1 << 16> buffer;
+  while (true) {
+    const auto now = read(ends[0], buffer.data(), buffer.size());
+    if (now < 0 && errno == EINTR) continue;
+    if (now <= 0) break;
+    bytes.append(buffer.data(), static_cast<std::size_t>(now));
+  }
+  close(ends[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (bytes.empty() || bytes.back() != end_mark || (WIFSIGNALED(status) && WTERMSIG(status) != 0))
+    throw Error("{}: {} {} on it: the file is damaged or too large", path.string(), library,
+                WIFSIGNALED(status) ? "crashed" : "gave up");
+  Message message(bytes);
+  if (bytes[0] == error_follows) throw Error(message.text());
+  std::vector<NamedMesh> parts(message.count());
+  for (auto& part : parts) {
+    part.name = message.text();
+    part.unit = message.text();
+    part.mesh.vertices = message.items<Eigen::Vector3f>();
+    part.mesh.triangles = message.items<std::array<int, 3>>();
+    part.file = path;
+  }
+  return parts;
+}
+
+}  // namespace partpose
