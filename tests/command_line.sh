@@ -235,6 +235,45 @@ bad "scenes, sensor" "sonar" scenes --models parts --sensor sonar --output s1
 bad "scenes, no frames" "1 or more" scenes --models parts --frames 0 --output s1
 [ ! -e s1 ] || fail "s1 was written"
 
+echo "-- experiments"
+cat >experiment.json <<'SPEC'
+{
+  "name": "small",
+  "groups": [{"name": "two parts", "parts": ["parts"]}],
+  "protocols": [{"name": "views", "views": "small.json"}],
+  "database": "small.json",
+  "configurations": [{"name": "D", "pipeline": "${PARTPOSE_ROOT}/configs/pipeline_virtual.json"}]
+}
+SPEC
+bad "experiment, variable not set" "PARTPOSE_ROOT is not set" experiment experiment.json -o experiment
+export PARTPOSE_ROOT="$root"
+good "experiment" experiment experiment.json -o experiment
+grep -q "^two parts / views / D / vfh  *24 " out.txt || fail "experiment: $(cat out.txt)"
+[ "$(wc -l <experiment/frames.jsonl)" -eq 24 ] || fail "experiment: $(wc -l <experiment/frames.jsonl) lines instead of 24"
+for file in experiment.json tables.md tables.json recognition.csv poses.csv confusion.csv errors.csv times.csv two-parts--views-rotation.svg two-parts--views-translation.svg; do [ -s experiment/$file ] || fail "experiment/$file is missing"; done
+head -n 20 experiment/frames.jsonl >half.jsonl && sed -n 21p experiment/frames.jsonl | head -c 500 >>half.jsonl && cp experiment/recognition.csv whole.csv && mv half.jsonl experiment/frames.jsonl
+good "experiment, goes on" experiment experiment.json -o experiment
+[ "$(grep -c '}$' experiment/frames.jsonl)" -eq 24 ] || fail "experiment: $(grep -c '}$' experiment/frames.jsonl) frames instead of 24"
+cp experiment/frames.jsonl all.jsonl
+cmp -s whole.csv experiment/recognition.csv || fail "a run that was stopped gives another table: $(cat experiment/recognition.csv)"
+good "experiment, finished" experiment experiment.json -o experiment
+cmp -s all.jsonl experiment/frames.jsonl || fail "frames of a finished experiment were repeated"
+spec() { sed "$1" experiment.json >e.json; }
+spec 's/"small"/"other"/' && bad "another experiment" "holds another experiment" experiment e.json -o experiment
+bad "folder of something else" "no experiment's folder" experiment experiment.json -o parts
+spec 's/"database"/"databse"/' && bad "experiment, unknown key" 'did you mean "database"' experiment e.json -o e1
+spec 's/"database": "small.json"/"descriptors": ["vhf"]/' && bad "experiment, unknown descriptor" 'did you mean "vfh"' experiment e.json -o e1
+spec 's/"views": "small.json"/"views": "small.json", "captured": "scenes"/' && bad "experiment, two kinds of scenes" 'give one of "views", "captured" and "scenes"' experiment e.json -o e1
+spec 's/"groups": .*/"groups": [],/' && bad "experiment, no groups" "groups: give at least one" experiment e.json -o e1
+spec 's/"parts": .*/"parts": []}],/' && bad "experiment, no parts" "parts: give at least one" experiment e.json -o e1
+head -c 60 experiment.json >e.json && bad "experiment, not JSON" "e.json: byte" experiment e.json -o e1
+bad "experiment, no file" "nowhere.json" experiment nowhere.json -o e1
+bad "experiment without output" "--output" experiment experiment.json
+[ ! -e e1 ] || fail "e1 was written"
+spec 's/"views": "small.json"/"views": "nowhere.json"/' && bad "experiment, no views" "nowhere.json" experiment e.json -o e1
+spec 's/\["parts"\]/["nowhere.stl"]/' && bad "experiment, no such part" "nowhere.stl" experiment e.json -o e1
+good "report of an experiment" report experiment
+
 echo "-- bad usage"
 bad "no command" "subcommand" 
 bad "unknown command" "partpose" recognise --models parts "$frame"

@@ -4,6 +4,7 @@
 #include "terminal.hpp"
 
 #include "partpose/evaluation/experiment_tables.hpp"
+#include "partpose/evaluation/plot.hpp"
 #include "partpose/io/json.hpp"
 
 #include <fmt/format.h>
@@ -25,11 +26,9 @@ void run(const ExperimentArguments& arguments, const Common& common) {
   fmt::print("{:<60} {:>6} {:>9} {:>11} {:>11} {:>12} {:>12} {:>10}\n", "run", "frames", "correct %", "incorrect %",
              "no result %", "pose right %", "seen right %", "median ms");
   for (const auto& s : summarize_runs(records, spec)) {
-    std::vector<double> times = s.times_ms;
-    std::sort(times.begin(), times.end());
     fmt::print("{:<60} {:>6} {:>9.1f} {:>11.1f} {:>11.1f} {:>12.1f} {:>12.1f} {:>10.1f}\n", s.run, s.frames,
                s.percent(s.correct), s.percent(s.wrong), s.percent(s.none), s.percent(s.pose_right),
-               s.percent(s.seen_right), times[times.size() / 2]);
+               s.percent(s.seen_right), quantile(s.times_ms, 0.5));
   }
   fmt::print(
       "pose right: within {:g} deg and {:g} mm, symmetry ignored; seen right: MSSD below 10 % of the diameter up to "

@@ -131,6 +131,8 @@ class Experiment {
   FrameRecord recognize(const TestScene& scene, const PartRecognizer& recognizer, const PoseJudge& judge,
                         const GlobalPipelineConfig& config, FrameRecord record) const;
   void keep(const FrameRecord& record);
+  /// The output of frames that were killed before their line was written: they are recognized again.
+  void remove_unfinished_folders(const std::set<fs::path>& kept) const;
 
   ExperimentSpec spec_;
   fs::path output_;
@@ -208,6 +210,9 @@ std::vector<TestScene> Experiment::captured_scenes(const PartGroup& group, const
 
 std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
   const auto options = read_json<SceneDatasetOptions>(protocol.scenes);
+  if (protocol.left_out && options.scene.parts[1] > 1)
+    throw Error("{}: scene.parts: for \"left_out\" a frame must show one part at most, or the others are rightly found",
+                protocol.scenes);
   const fs::path folder = data_folder(group, fmt::format("{} frames of {}", protocol.frames, to_json(options).dump()));
   if (!fs::exists(folder)) {
     std::vector<ScenePart> parts;
@@ -252,7 +257,17 @@ std::vector<std::string> descriptors_of(const ExperimentSpec& spec, const Experi
 }
 
 void Experiment::run() {
-  for (const auto& record : read_frame_records(output_)) finished_.emplace(record.run, record.frame);
+  // What is wrong is said before the first frame, not after the hours of the runs before.
+  for (const auto& configuration : spec_.configurations)
+    if (!configuration.pipeline.empty()) read_pipeline_config(configuration.pipeline);
+  if (!spec_.database.empty()) read_dataset_config(spec_.database);
+
+  std::set<fs::path> kept;
+  for (const auto& record : read_frame_records(output_)) {
+    finished_.emplace(record.run, record.frame);
+    kept.insert(record.folder);
+  }
+  remove_unfinished_folders(kept);
   // A line that was cut off by a kill is ended, so that the next one starts anew.
   bool ends_in_a_line = true;
   if (std::ifstream in(output_ / "frames.jsonl", std::ios::binary | std::ios::ate); in && in.tellg() > 0) {
@@ -362,6 +377,18 @@ FrameRecord Experiment::recognize(const TestScene& test, const PartRecognizer& r
   return record;
 }
 
+void Experiment::remove_unfinished_folders(const std::set<fs::path>& kept) const {
+  if (!fs::exists(output_ / "frames")) return;
+  std::vector<fs::path> unfinished;
+  for (const auto& run : fs::directory_iterator(output_ / "frames"))
+    if (run.is_directory())
+      for (const auto& frame : fs::directory_iterator(run))
+        if (frame.is_directory() && frame.path().filename() != "meshes" &&
+            !kept.count(fs::relative(frame.path(), output_)))
+          unfinished.push_back(frame.path());
+  for (const auto& folder : unfinished) fs::remove_all(folder);
+}
+
 void Experiment::keep(const FrameRecord& record) {
   const std::lock_guard lock(log_mutex_);
   log_ << json_line(to_json(record)) << std::endl;
@@ -412,9 +439,11 @@ std::vector<FrameRecord> run_experiment(const fs::path& spec_file, const fs::pat
   const ExperimentSpec spec = read_spec(spec_file);
   const fs::path own_spec = output / "experiment.json";
   if (fs::exists(own_spec)) {
-    if (read_json_file(own_spec) != to_json(spec))
+    const bool same = read_json_file(own_spec) == to_json(spec);
+    if (!same && !read_frame_records(output).empty())
       throw Error("{}: holds another experiment than {}; give another output folder, or remove this one",
                   output.string(), spec_file.string());
+    if (!same) write_json(own_spec, spec);  // of the other nothing was finished
   } else {
     if (fs::exists(output) && !fs::is_empty(output))
       throw Error("{}: is there and is no experiment's folder; give another one", output.string());
@@ -422,7 +451,7 @@ std::vector<FrameRecord> run_experiment(const fs::path& spec_file, const fs::pat
     write_json(own_spec, spec);
   }
   Experiment(spec, output, progress).run();
-  auto records = read_frame_records(output);
+  auto records = in_order_of(spec, read_frame_records(output));
   write_tables(records, spec, output);
   return records;
 }
@@ -431,13 +460,13 @@ std::vector<FrameRecord> read_frame_records(const fs::path& output) {
   std::vector<FrameRecord> records;
   std::ifstream in(output / "frames.jsonl");
   std::string line;
-  while (std::getline(in, line)) {
+  for (int number = 1; std::getline(in, line); ++number) {
     const Json json = Json::parse(line, nullptr, false);
     if (json.is_discarded()) continue;  // cut off when the run was killed
     try {
       records.push_back(from_json<FrameRecord>(json));
     } catch (const Error& error) {
-      throw Error("{}: line {}: {}", (output / "frames.jsonl").string(), records.size() + 1, error.what());
+      throw Error("{}: line {}: {}", (output / "frames.jsonl").string(), number, error.what());
     }
   }
   return records;

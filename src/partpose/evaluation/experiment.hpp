@@ -136,7 +136,8 @@ struct FrameRecord {
 /// Runs all frames that `output` does not have yet, and writes the tables. What `output` holds:
 /// experiment.json (the spec as it is run), frames.jsonl (one line per finished frame, written at once, so that a run
 /// that was killed goes on where it stopped), frames/ (output folders), datasets/, and the tables of write_tables().
-/// Throws Error when `output` holds another experiment.
+/// Throws Error when `output` holds finished frames of another experiment, or anything else. The records are in the
+/// order of in_order_of().
 std::vector<FrameRecord> run_experiment(const std::filesystem::path& spec_file, const std::filesystem::path& output,
                                         const Progress& progress = {});
 
