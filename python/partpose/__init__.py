@@ -26,3 +26,4 @@ from partpose.io import read_scene as read_scene
 from partpose.pipeline import Recognition as Recognition
 from partpose.pipeline import Recognizer as Recognizer
 from partpose.pipeline import RecognizerOptions as RecognizerOptions
+from partpose.solution import Solution as Solution

@@ -28,13 +28,17 @@ void* address(nb::handle self, const DescribedClass& described) {
 
 Json to_json_of(nb::handle self, const DescribedClass& described) { return described.write(address(self, described)); }
 
-std::string type_of(nb::handle value) { return nb::cast<std::string>(nb::str(value.type().attr("__name__"))); }
+std::string text_of(nb::handle value) {
+  return nb::cast<std::string>(nb::steal<nb::str>(PyObject_Str(value.ptr())));
+}
+
+std::string type_of(nb::handle value) { return text_of(value.type().attr("__name__")); }
 
 std::string short_repr(nb::handle value) {
   if (nb::hasattr(value, "dtype") && nb::hasattr(value, "shape")) {
     if (nb::cast<std::size_t>(value.attr("size")) <= 4) return nb::cast<std::string>(nb::repr(value.attr("tolist")()));
-    return fmt::format("<{} {}>", nb::cast<std::string>(nb::str(value.attr("dtype"))),
-                       nb::cast<std::string>(nb::str(value.attr("shape"))));
+    return fmt::format("<{} {}>", text_of(value.attr("dtype")),
+                       text_of(value.attr("shape")));
   }
   std::string text = nb::cast<std::string>(nb::repr(value));
   if ((nb::isinstance<nb::tuple>(value) || nb::isinstance<nb::list>(value)) && text.size() > 200)
@@ -61,7 +65,7 @@ Json json_of(nb::handle value, const std::string& key) {
     std::uint64_t positive = 0;
     if (nb::try_cast(value, whole)) return whole;
     if (nb::try_cast(value, positive)) return positive;
-    throw Error("{}: {} is out of range", key, nb::cast<std::string>(nb::str(value)));
+    throw Error("{}: {} is out of range", key, text_of(value));
   }
   if (nb::isinstance<nb::float_>(value)) return nb::cast<double>(value);
   if (nb::isinstance<nb::str>(value)) return nb::cast<std::string>(value);
