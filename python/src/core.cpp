@@ -150,11 +150,11 @@ void bind_core_room(nb::module_& m) {
            [](const Intrinsics& a, const Intrinsics& b) {
              return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx &&
                     a.cy == b.cy;
-           })
+           }, nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
       .def("__reduce__", [](nb::handle self) {
         const auto& c = nb::cast<const Intrinsics&>(self);
         return nb::make_tuple(self.type(), nb::make_tuple(c.width, c.height, c.fx, c.fy, c.cx, c.cy));
-      });
+      }, nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
   intrinsics.attr("__hash__") = nb::none();
   bind_repr(intrinsics, {"width", "height", "fx", "fy", "cx", "cy"});
 

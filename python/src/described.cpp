@@ -28,17 +28,14 @@ void* address(nb::handle self, const DescribedClass& described) {
 
 Json to_json_of(nb::handle self, const DescribedClass& described) { return described.write(address(self, described)); }
 
-std::string text_of(nb::handle value) {
-  return nb::cast<std::string>(nb::steal<nb::str>(PyObject_Str(value.ptr())));
-}
+std::string text_of(nb::handle value) { return nb::cast<std::string>(nb::steal<nb::str>(PyObject_Str(value.ptr()))); }
 
 std::string type_of(nb::handle value) { return text_of(value.type().attr("__name__")); }
 
 std::string short_repr(nb::handle value) {
   if (nb::hasattr(value, "dtype") && nb::hasattr(value, "shape")) {
     if (nb::cast<std::size_t>(value.attr("size")) <= 4) return nb::cast<std::string>(nb::repr(value.attr("tolist")()));
-    return fmt::format("<{} {}>", text_of(value.attr("dtype")),
-                       text_of(value.attr("shape")));
+    return fmt::format("<{} {}>", text_of(value.attr("dtype")), text_of(value.attr("shape")));
   }
   std::string text = nb::cast<std::string>(nb::repr(value));
   if ((nb::isinstance<nb::tuple>(value) || nb::isinstance<nb::list>(value)) && text.size() > 200)
@@ -184,13 +181,13 @@ void bind_described_members(nb::object cls, DescribedClass& described) {
           char* owner = static_cast<char*>(address(self, *record));
           field->set(owner + field->offset, json_of(value, field->name), field->name.c_str(), record->check, owner);
         },
-        nb::is_method(),
+        nb::is_method(), nb::arg("value").none(),
         nb::sig(kept(fmt::format("def {}(self, value: {}, /) -> None", field->name, field->accepted_type))));
     cls.attr(field->name.c_str()) = property(getter, setter, nb::none(), nb::str(field->doc.c_str()));
   }
-  const auto method = [&](const char* name, auto function, const char* signature, const char* doc) {
+  const auto method = [&](const char* name, auto function, const char* signature, const char* doc, auto... arguments) {
     cls.attr(name) =
-        nb::cpp_function(function, nb::name(name), nb::scope(cls), nb::is_method(), nb::sig(signature), doc);
+        nb::cpp_function(function, nb::name(name), nb::scope(cls), nb::is_method(), nb::sig(signature), doc, arguments...);
   };
   method(
       "to_dict", [record](nb::handle self) { return python_of(to_json_of(self, *record)); },
@@ -209,7 +206,7 @@ void bind_described_members(nb::object cls, DescribedClass& described) {
         if (!nb::isinstance(other, record->type)) return nb::borrow<nb::object>(Py_NotImplemented);
         return nb::bool_(to_json_of(self, *record) == to_json_of(other, *record));
       },
-      "def __eq__(self, other: object, /) -> bool", "");
+      "def __eq__(self, other: object, /) -> bool", "", nb::arg("other").none());
   cls.attr("__hash__") = nb::none();
   const auto copy = [record](nb::handle self) { return record->type(python_of(to_json_of(self, *record))); };
   method("__copy__", copy, "def __copy__(self) -> typing.Self", "");

@@ -19,6 +19,7 @@
 #include "partpose/verification/render_compare.hpp"
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/unique_ptr.h>
 
 #include <numeric>
 
