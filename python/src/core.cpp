@@ -347,7 +347,7 @@ void bind_geometry_room(nb::module_& m) {
   bind_repr(plane, {"normal", "offset_mm"});
   nb::class_<PlaneFit> fit(m, "PlaneFit", "A plane and the points on it.");
   fit.def_ro("plane", &PlaneFit::plane).def_ro("rms_mm", &PlaneFit::rms_mm);
-  fit.def_prop_ro("inliers", [](const PlaneFit& self) { return array_of(self.inliers); });
+  fit.def_prop_ro("inliers", [](const PlaneFit& self) { return array_of(self.inliers); }, nb::rv_policy::move);
   bind_repr(fit, {"plane", "inliers", "rms_mm"});
   m.def(
       "fit_plane",
@@ -412,14 +412,13 @@ void bind_geometry_room(nb::module_& m) {
       "mesh"_a, "count"_a, "Points spread evenly over a mesh's surface.");
 
   nb::class_<ConvexHull> hull(m, "ConvexHull", "A convex hull as triangles, counter-clockwise seen from outside.");
-  hull.def_prop_ro("vertices", [](const ConvexHull& self) { return rows_of(self.vertices); })
-      .def_prop_ro("original", [](const ConvexHull& self) { return array_of(self.original); })
+  hull.def_prop_ro("vertices", [](const ConvexHull& self) { return rows_of(self.vertices); }, nb::rv_policy::move)
+      .def_prop_ro("original", [](const ConvexHull& self) { return array_of(self.original); }, nb::rv_policy::move)
       .def_prop_ro("triangles",
                    [](const ConvexHull& self) {
                      std::vector<Eigen::Vector3i> rows;
                      for (const auto& t : self.triangles) rows.emplace_back(t[0], t[1], t[2]);
-                     return rows_of(std::move(rows));
-                   })
+                     return rows_of(std::move(rows)); }, nb::rv_policy::move)
       .def_ro("flat", &ConvexHull::flat)
       .def("volume_mm3", &ConvexHull::volume_mm3)
       .def("centroid", &ConvexHull::centroid);

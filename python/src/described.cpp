@@ -60,8 +60,8 @@ Json json_of(nb::handle value, const std::string& key) {
   if (nb::isinstance<nb::int_>(value)) {
     std::int64_t whole = 0;
     std::uint64_t positive = 0;
+    if (nb::try_cast(value, positive)) return positive;  // as a parsed file has it
     if (nb::try_cast(value, whole)) return whole;
-    if (nb::try_cast(value, positive)) return positive;
     throw Error("{}: {} is out of range", key, text_of(value));
   }
   if (nb::isinstance<nb::float_>(value)) return nb::cast<double>(value);
