@@ -472,7 +472,7 @@ class GlobalDescriptor:
     def describe(self, cloud: partpose.core.PointCloud) -> list[Description]:
         """Nothing for a cloud that it is not defined for."""
 
-def make_global_descriptor(name: str, options: DescriptorOptions = ...) -> "std::unique_ptr<partpose::GlobalDescriptor, std::default_delete<partpose::GlobalDescriptor> >":
+def make_global_descriptor(name: str, options: DescriptorOptions = ...) -> GlobalDescriptor:
     """By its name in the configuration."""
 
 def neighbours_of(name: str, options: DescriptorOptions = ...) -> int:

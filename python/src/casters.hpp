@@ -68,17 +68,10 @@ struct DepthPixels {
 /// Throws Error unless the matrix is a rigid motion.
 Eigen::Isometry3d checked_pose(const Eigen::Matrix4d& matrix);
 
-/// A Python callable (or none) that long work calls; each call also looks for Ctrl-C.
+/// A Python callable that long work calls, or None.
 struct Callback {
-  std::shared_ptr<nb::object> function;  ///< always there; None when nobody wants to know
-
-  operator Progress() const {  // NOLINT: what a Progress argument is given
-    return [function = function](std::string_view what, std::size_t done, std::size_t total) {
-      nb::gil_scoped_acquire gil;
-      if (PyErr_CheckSignals() != 0) throw nb::python_error();
-      if (!function->is_none()) (*function)(nb::str(what.data(), what.size()), done, total);
-    };
-  }
+  std::shared_ptr<nb::object> function;  ///< always there
+  bool wanted = false;                   ///< it is not None
 };
 
 /// An array that owns what the vector held.
@@ -169,6 +162,7 @@ struct type_caster<partpose::python::Callback> {
       gil_scoped_acquire gil;
       delete p;
     });
+    value.wanted = !source.is_none();
     return true;
   }
 };

@@ -146,15 +146,20 @@ void bind_core_room(nb::module_& m) {
       .def("unproject", &Intrinsics::unproject, "u"_a, "v"_a, "z_mm"_a,
            "Point in the camera frame (mm) at a pixel and a depth (mm).")
       .def("project", &Intrinsics::project, "point_mm"_a, "Pixel coordinates of a point with z > 0.")
-      .def("__eq__",
-           [](const Intrinsics& a, const Intrinsics& b) {
-             return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx &&
-                    a.cy == b.cy;
-           }, nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
-      .def("__reduce__", [](nb::handle self) {
-        const auto& c = nb::cast<const Intrinsics&>(self);
-        return nb::make_tuple(self.type(), nb::make_tuple(c.width, c.height, c.fx, c.fy, c.cx, c.cy));
-      }, nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
+      .def(
+          "__eq__",
+          [](const Intrinsics& a, const Intrinsics& b) {
+            return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx &&
+                   a.cy == b.cy;
+          },
+          nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
+      .def(
+          "__reduce__",
+          [](nb::handle self) {
+            const auto& c = nb::cast<const Intrinsics&>(self);
+            return nb::make_tuple(self.type(), nb::make_tuple(c.width, c.height, c.fx, c.fy, c.cx, c.cy));
+          },
+          nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
   intrinsics.attr("__hash__") = nb::none();
   bind_repr(intrinsics, {"width", "height", "fx", "fy", "cx", "cy"});
 
@@ -347,7 +352,8 @@ void bind_geometry_room(nb::module_& m) {
   bind_repr(plane, {"normal", "offset_mm"});
   nb::class_<PlaneFit> fit(m, "PlaneFit", "A plane and the points on it.");
   fit.def_ro("plane", &PlaneFit::plane).def_ro("rms_mm", &PlaneFit::rms_mm);
-  fit.def_prop_ro("inliers", [](const PlaneFit& self) { return array_of(self.inliers); }, nb::rv_policy::move);
+  fit.def_prop_ro(
+      "inliers", [](const PlaneFit& self) { return array_of(self.inliers); }, nb::rv_policy::move);
   bind_repr(fit, {"plane", "inliers", "rms_mm"});
   m.def(
       "fit_plane",
@@ -412,13 +418,18 @@ void bind_geometry_room(nb::module_& m) {
       "mesh"_a, "count"_a, "Points spread evenly over a mesh's surface.");
 
   nb::class_<ConvexHull> hull(m, "ConvexHull", "A convex hull as triangles, counter-clockwise seen from outside.");
-  hull.def_prop_ro("vertices", [](const ConvexHull& self) { return rows_of(self.vertices); }, nb::rv_policy::move)
-      .def_prop_ro("original", [](const ConvexHull& self) { return array_of(self.original); }, nb::rv_policy::move)
-      .def_prop_ro("triangles",
-                   [](const ConvexHull& self) {
-                     std::vector<Eigen::Vector3i> rows;
-                     for (const auto& t : self.triangles) rows.emplace_back(t[0], t[1], t[2]);
-                     return rows_of(std::move(rows)); }, nb::rv_policy::move)
+  hull.def_prop_ro(
+          "vertices", [](const ConvexHull& self) { return rows_of(self.vertices); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "original", [](const ConvexHull& self) { return array_of(self.original); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "triangles",
+          [](const ConvexHull& self) {
+            std::vector<Eigen::Vector3i> rows;
+            for (const auto& t : self.triangles) rows.emplace_back(t[0], t[1], t[2]);
+            return rows_of(std::move(rows));
+          },
+          nb::rv_policy::move)
       .def_ro("flat", &ConvexHull::flat)
       .def("volume_mm3", &ConvexHull::volume_mm3)
       .def("centroid", &ConvexHull::centroid);

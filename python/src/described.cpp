@@ -186,8 +186,8 @@ void bind_described_members(nb::object cls, DescribedClass& described) {
     cls.attr(field->name.c_str()) = property(getter, setter, nb::none(), nb::str(field->doc.c_str()));
   }
   const auto method = [&](const char* name, auto function, const char* signature, const char* doc, auto... arguments) {
-    cls.attr(name) =
-        nb::cpp_function(function, nb::name(name), nb::scope(cls), nb::is_method(), nb::sig(signature), doc, arguments...);
+    cls.attr(name) = nb::cpp_function(function, nb::name(name), nb::scope(cls), nb::is_method(), nb::sig(signature),
+                                      doc, arguments...);
   };
   method(
       "to_dict", [record](nb::handle self) { return python_of(to_json_of(self, *record)); },

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "described.hpp"
+#include "interruptible.hpp"
 #include "recognition.hpp"
 #include "rooms.hpp"
 
@@ -94,8 +95,9 @@ void bind_accuracy(nb::module_& m) {
           write_json(folder / "evaluation.json", frame.evaluation);
           write_json(folder / "evaluation_dataset.json", test.out);
         };
-        if (output) return run_protocol(pipeline, test, progress, save);
-        return run_protocol(pipeline, test, progress);
+        return interruptible(progress, [&](const Progress& told) {
+          return output ? run_protocol(pipeline, test, told, save) : run_protocol(pipeline, test, told);
+        });
       },
       "pipeline"_a, "test"_a, "progress"_a = nb::none(), "output"_a = nb::none(), released,
       "Runs the pipeline on every view of every model of `test` (reference, 6.2.1). `output`: where each frame's "
@@ -106,7 +108,7 @@ void bind_accuracy(nb::module_& m) {
   m.def(
       "run_experiment",
       [](const std::filesystem::path& spec, const std::filesystem::path& output, const Callback& progress) {
-        return run_experiment(spec, output, progress);
+        return interruptible(progress, [&](const Progress& told) { return run_experiment(spec, output, told); });
       },
       "spec_file"_a, "output"_a, "progress"_a = nb::none(), released,
       "Runs all frames that `output` does not have yet, and writes the tables.");

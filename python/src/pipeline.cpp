@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "described.hpp"
+#include "interruptible.hpp"
 #include "rooms.hpp"
 
 #include "partpose/dataset/dataset.hpp"
@@ -64,7 +65,8 @@ void bind_dataset(nb::module_& m) {
       [](const DatasetPreparationConfig& config, const std::vector<fs::path>& paths, const fs::path& folder,
          const Callback& progress) {
         config.check();
-        return create_dataset(config, paths, folder, progress);
+        return interruptible(progress,
+                             [&](const Progress& told) { return create_dataset(config, paths, folder, told); });
       },
       "config"_a, "model_paths"_a, "folder"_a, "progress"_a = nb::none(), released,
       "Renders the views of all models and writes the folder.");
@@ -112,7 +114,7 @@ void bind_catalogue(nb::module_& m) {
       "load_catalogue",
       [](const Dataset& dataset, const GlobalPipelineConfig& config, const Callback& progress) {
         config.check();
-        return load_catalogue(dataset, config, progress);
+        return interruptible(progress, [&](const Progress& told) { return load_catalogue(dataset, config, told); });
       },
       "dataset"_a, "config"_a, "progress"_a = nb::none(), released, "The offline stage; kept in the dataset's folder.");
   m.def("without_part", &without_part, "catalogue"_a, "name"_a, released,
@@ -124,8 +126,9 @@ void bind_catalogue(nb::module_& m) {
       "cached_catalogue",
       [](const std::vector<fs::path>& paths, const DatasetPreparationConfig& dataset,
          const GlobalPipelineConfig& config, const std::optional<fs::path>& cache_folder, const Callback& progress) {
-        return cached_catalogue(paths, dataset, config, cache_folder ? *cache_folder : default_cache_folder(),
-                                progress);
+        const fs::path cache = cache_folder ? *cache_folder : default_cache_folder();
+        return interruptible(
+            progress, [&](const Progress& told) { return cached_catalogue(paths, dataset, config, cache, told); });
       },
       "model_paths"_a, "dataset"_a, "pipeline"_a, "cache_folder"_a = nb::none(), "progress"_a = nb::none(), released,
       "The catalogue of some STL files, made on first use and kept.");
@@ -275,9 +278,12 @@ void bind_recognition(nb::module_& m) {
               const auto found = model_files(path);
               paths.insert(paths.end(), found.begin(), found.end());
             }
-            return new Recognizer(cached_catalogue(paths, DatasetPreparationConfig{}, Recognizer::catalogue_config(),
-                                                   cache_folder ? *cache_folder : default_cache_folder(), progress),
-                                  options);
+            const fs::path cache = cache_folder ? *cache_folder : default_cache_folder();
+            return interruptible(progress, [&](const Progress& told) {
+              return new Recognizer(
+                  cached_catalogue(paths, DatasetPreparationConfig{}, Recognizer::catalogue_config(), cache, told),
+                  options);
+            });
           },
           "paths"_a, "options"_a = RecognizerOptions{}, "cache_folder"_a = nb::none(), "progress"_a = nb::none(),
           released,
@@ -302,7 +308,7 @@ void bind_outputs(nb::module_& m) {
           [](GlobalPipeline* self, const Catalogue& catalogue, const GlobalPipelineConfig& config,
              const Callback& step_notion) {
             std::function<void(std::string_view)> notion;
-            if (!step_notion.function->is_none())
+            if (step_notion.wanted)
               notion = [function = step_notion.function](std::string_view step) {
                 nb::gil_scoped_acquire gil;
                 (*function)(nb::str(step.data(), step.size()));

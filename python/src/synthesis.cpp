@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "described.hpp"
+#include "interruptible.hpp"
 #include "rooms.hpp"
 
 #include "partpose/synthesis/bop_scenes.hpp"
@@ -98,7 +99,9 @@ void bind_synthesis(nb::module_& parent) {
       "write_scene_dataset",
       [](const NamedMeshes& catalogue, const NamedMeshes& unknown, const SceneDatasetOptions& options,
          std::size_t frames, const std::filesystem::path& folder, const Callback& progress) {
-        write_scene_dataset(parts_of(catalogue), parts_of(unknown), options, frames, folder, {}, progress);
+        interruptible(progress, [&](const Progress& told) {
+          write_scene_dataset(parts_of(catalogue), parts_of(unknown), options, frames, folder, {}, told);
+        });
       },
       "catalogue"_a, "unknown"_a, "options"_a, "frames"_a, "folder"_a, "progress"_a = nb::none(), released,
       "Draws frames and writes them as a BOP dataset.");

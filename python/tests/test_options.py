@@ -14,7 +14,10 @@ import partpose
 from partpose.camera import NoiseOptions, StereoSensorOptions, VirtualDepthCameraOptions
 from partpose.dataset import DatasetPreparationConfig
 from partpose.descriptor import DescriptorOptions
-from partpose.pipeline import CandidateExtras, Evaluation, GlobalPipelineConfig, Result, read_pipeline_config
+from partpose.pipeline import (
+    CandidateExtras, DatabaseOptions, DebugOptions, Evaluation, GlobalPipelineConfig, Result, VisualizeOptions,
+    read_pipeline_config,
+)  # fmt: skip
 from partpose.preprocess import PreprocessOptions
 
 MODULES = [partpose.camera, partpose.preprocess, partpose.descriptor, partpose.registration, partpose.verification,
@@ -100,6 +103,9 @@ def test_nested_options_are_live_and_outlive_their_owner() -> None:
     camera = VirtualDepthCameraOptions(resolution_px=np.array([320, 240]))
     assert camera.resolution_px == (320, 240)
     assert camera.intrinsics().width == 320
+    whole = GlobalPipelineConfig()
+    assert isinstance(whole.database, DatabaseOptions) and whole.database.noise_levels_mm == (0, 1.5, 3)
+    assert isinstance(whole.debug, DebugOptions) and isinstance(whole.debug.visualize, VisualizeOptions)
 
 
 def test_defaults_are_those_of_the_shipped_files(root: Path) -> None:

@@ -23,7 +23,7 @@ from partpose.core import Error, Intrinsics, PointCloud
 def truth_of(root: Path, name: str) -> np.ndarray:
     for entry in json.loads((root / "scenes" / "gt.json").read_text())["scenes"]:
         if Path(entry["scene"]).stem == name:
-            return np.array(entry["T"])
+            return np.array(entry["T"]).reshape(-1, 4, 4)[0]
     raise KeyError(name)
 
 
@@ -44,6 +44,8 @@ def test_recognition(recognizer: partpose.Recognizer, bracket_scene: io.Scene, r
     truth = truth_of(root, "bracket")
     assert partpose.core.rotation_error_deg(pose_found, truth) < 3
     assert partpose.core.translation_error_mm(pose_found, truth) < 3
+    assert isinstance(found, pipeline.Recognition) and isinstance(found.stages[0], pipeline.MeasuredOperation)
+    assert isinstance(found.extras, pipeline.Extras) and isinstance(found.extras.scene_extras, pipeline.SceneExtras)
     assert found.candidates[0].model_name in ("bracket", "flange") and found.candidates[0].verdict
     assert [s.tag for s in found.stages] and np.isclose(found.total_ms, sum(s.measure_ms for s in found.stages))
     assert found.result.model_name == "bracket" and len(found.extras.candidate_extras) == len(found.candidates)
