@@ -1,0 +1,393 @@
+# Written by script/make_stubs.
+from collections.abc import Callable, Mapping, Sequence
+import os
+from typing import Annotated, Any, Self
+
+import numpy
+import numpy.typing
+from numpy.typing import NDArray
+
+import partpose.core
+import partpose.dataset
+import partpose.geometry
+import partpose.pipeline
+
+
+def add_mm(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]) -> float:
+    """ADD: mean distance of each vertex from itself."""
+
+def adi_mm(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]) -> float:
+    """ADI (ADD-S): mean distance from the nearest vertex."""
+
+def mssd_mm(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], symmetries: partpose.geometry.Symmetries = ...) -> float:
+    """
+    MSSD: the largest distance of a vertex from itself, at the nearest of the equivalent poses.
+    """
+
+def mspd_px(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], symmetries: partpose.geometry.Symmetries, intrinsics: partpose.core.Intrinsics) -> float:
+    """MSPD: the same in the image, px."""
+
+class GroundTruth:
+    """What a scene shows. An empty name: none of the catalogue's parts."""
+
+    def __init__(self, model_name: str, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], model_id: int = -1, view_id: int = -1) -> None: ...
+
+    @property
+    def model_name(self) -> str: ...
+
+    @property
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+
+    @property
+    def model_id(self) -> int: ...
+
+    @property
+    def view_id(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+def evaluate(result: partpose.pipeline.Result, truth: GroundTruth) -> partpose.pipeline.Evaluation:
+    """Compares a result with the truth (C.2.4; eq. 2.2 and 2.3)."""
+
+class ProtocolFrame:
+    """A dataset's view as a test scene."""
+
+    @property
+    def truth(self) -> GroundTruth: ...
+
+    @property
+    def result(self) -> partpose.pipeline.Result: ...
+
+    @property
+    def evaluation(self) -> partpose.pipeline.Evaluation: ...
+
+    @property
+    def time_ms(self) -> float: ...
+
+    def __repr__(self) -> str: ...
+
+class ProtocolSummary:
+    """What some frames came to."""
+
+    @property
+    def frames(self) -> int: ...
+
+    @property
+    def correct(self) -> int: ...
+
+    @property
+    def wrong(self) -> int: ...
+
+    @property
+    def none(self) -> int: ...
+
+    @property
+    def pose_right(self) -> int:
+        """Correct, and within both limits."""
+
+    @property
+    def median_ms(self) -> float: ...
+
+    @property
+    def p95_ms(self) -> float: ...
+
+    def correct_percent(self) -> float: ...
+
+    def wrong_percent(self) -> float: ...
+
+    def none_percent(self) -> float: ...
+
+    def pose_right_percent(self) -> float: ...
+
+    def __repr__(self) -> str: ...
+
+def run_protocol(pipeline: partpose.pipeline.GlobalPipeline, test: partpose.dataset.Dataset, progress: Callable[[str, int, int], object] | None = None, output: str | os.PathLike[str] | None = None) -> list[ProtocolFrame]:
+    """
+    Runs the pipeline on every view of every model of `test` (reference, 6.2.1). `output`: where each frame's iteration folder, with evaluation.json, goes.
+    """
+
+def summarize(frames: Sequence[ProtocolFrame], limit_deg: float = 15.0, limit_mm: float = 15.0) -> ProtocolSummary: ...
+
+class FrameRecord:
+    """
+    What one frame of one run of an experiment gave.
+
+    run: group, protocol, configuration and descriptor
+    group: the parts
+    protocol: the scenes
+    configuration: the pipeline
+    descriptor: its descriptor; "-": the Recognizer's own
+    frame: names the frame within its protocol
+    left_out: whether the part shown is missing from the catalogue
+    result: C.2.2
+    evaluation: C.2.4
+    score: of the best candidate, accepted or not, 0 to 1; -1: there was none
+    best_is_right: whether that candidate names the part shown
+    reason: why nothing was recognized
+    stages: time of each step
+    time_ms: time of the frame [ms]
+    folder: of the frame's output; empty: not kept
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, run: str = ..., group: str = ..., protocol: str = ..., configuration: str = ..., descriptor: str = ..., frame: str = ..., left_out: bool = ..., result: partpose.pipeline.Result | Mapping[str, Any] = ..., evaluation: partpose.pipeline.Evaluation | Mapping[str, Any] = ..., score: float = ..., best_is_right: bool = ..., reason: str = ..., stages: Sequence[partpose.pipeline.MeasuredOperation | Mapping[str, Any]] = ..., time_ms: float = ..., folder: str = ...) -> None: ...
+
+    @property
+    def run(self) -> str:
+        """group, protocol, configuration and descriptor"""
+
+    @run.setter
+    def run(self, value: str, /) -> None: ...
+
+    @property
+    def group(self) -> str:
+        """the parts"""
+
+    @group.setter
+    def group(self, value: str, /) -> None: ...
+
+    @property
+    def protocol(self) -> str:
+        """the scenes"""
+
+    @protocol.setter
+    def protocol(self, value: str, /) -> None: ...
+
+    @property
+    def configuration(self) -> str:
+        """the pipeline"""
+
+    @configuration.setter
+    def configuration(self, value: str, /) -> None: ...
+
+    @property
+    def descriptor(self) -> str:
+        """its descriptor; "-": the Recognizer's own"""
+
+    @descriptor.setter
+    def descriptor(self, value: str, /) -> None: ...
+
+    @property
+    def frame(self) -> str:
+        """names the frame within its protocol"""
+
+    @frame.setter
+    def frame(self, value: str, /) -> None: ...
+
+    @property
+    def left_out(self) -> bool:
+        """whether the part shown is missing from the catalogue"""
+
+    @left_out.setter
+    def left_out(self, value: bool, /) -> None: ...
+
+    @property
+    def result(self) -> partpose.pipeline.Result:
+        """C.2.2"""
+
+    @result.setter
+    def result(self, value: partpose.pipeline.Result | Mapping[str, Any], /) -> None: ...
+
+    @property
+    def evaluation(self) -> partpose.pipeline.Evaluation:
+        """C.2.4"""
+
+    @evaluation.setter
+    def evaluation(self, value: partpose.pipeline.Evaluation | Mapping[str, Any], /) -> None: ...
+
+    @property
+    def score(self) -> float:
+        """of the best candidate, accepted or not, 0 to 1; -1: there was none"""
+
+    @score.setter
+    def score(self, value: float, /) -> None: ...
+
+    @property
+    def best_is_right(self) -> bool:
+        """whether that candidate names the part shown"""
+
+    @best_is_right.setter
+    def best_is_right(self, value: bool, /) -> None: ...
+
+    @property
+    def reason(self) -> str:
+        """why nothing was recognized"""
+
+    @reason.setter
+    def reason(self, value: str, /) -> None: ...
+
+    @property
+    def stages(self) -> tuple[partpose.pipeline.MeasuredOperation, ...]:
+        """time of each step"""
+
+    @stages.setter
+    def stages(self, value: Sequence[partpose.pipeline.MeasuredOperation | Mapping[str, Any]], /) -> None: ...
+
+    @property
+    def time_ms(self) -> float:
+        """time of the frame [ms]"""
+
+    @time_ms.setter
+    def time_ms(self, value: float, /) -> None: ...
+
+    @property
+    def folder(self) -> str:
+        """of the frame's output; empty: not kept"""
+
+    @folder.setter
+    def folder(self, value: str, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+def run_experiment(spec_file: str | os.PathLike[str], output: str | os.PathLike[str], progress: Callable[[str, int, int], object] | None = None) -> list[FrameRecord]:
+    """
+    Runs all frames that `output` does not have yet, and writes the tables.
+    """
+
+def read_frame_records(output: str | os.PathLike[str]) -> list[FrameRecord]:
+    """The finished frames of an experiment's folder."""
+
+class AmbiguityOptions:
+    """
+    When two depth images are the same to a camera.
+
+    disparity_sigma_px = 0.08: standard deviation of the disparity [px], >= 0
+    baseline_mm = 55.0: distance of the stereo camera's imagers [mm], > 0
+    floor_mm = 0.3: standard deviation that is there at any depth [mm], > 0 (1 mm steps: 0.29)
+    sigmas = 3.0: depths farther apart than so many standard deviations differ, > 0
+    max_share = 0.01: share of the pixels that may differ, 0 to 1
+    max_px = 25: pixels that may differ in any case, >= 0
+    max_rms_sigmas = 1.0: root mean square difference of the others [standard deviations], > 0
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, disparity_sigma_px: float = 0.08, baseline_mm: float = 55.0, floor_mm: float = 0.3, sigmas: float = 3.0, max_share: float = 0.01, max_px: int = 25, max_rms_sigmas: float = 1.0) -> None: ...
+
+    @property
+    def disparity_sigma_px(self) -> float:
+        """standard deviation of the disparity [px], >= 0"""
+
+    @disparity_sigma_px.setter
+    def disparity_sigma_px(self, value: float, /) -> None: ...
+
+    @property
+    def baseline_mm(self) -> float:
+        """distance of the stereo camera's imagers [mm], > 0"""
+
+    @baseline_mm.setter
+    def baseline_mm(self, value: float, /) -> None: ...
+
+    @property
+    def floor_mm(self) -> float:
+        """
+        standard deviation that is there at any depth [mm], > 0 (1 mm steps: 0.29)
+        """
+
+    @floor_mm.setter
+    def floor_mm(self, value: float, /) -> None: ...
+
+    @property
+    def sigmas(self) -> float:
+        """depths farther apart than so many standard deviations differ, > 0"""
+
+    @sigmas.setter
+    def sigmas(self, value: float, /) -> None: ...
+
+    @property
+    def max_share(self) -> float:
+        """share of the pixels that may differ, 0 to 1"""
+
+    @max_share.setter
+    def max_share(self, value: float, /) -> None: ...
+
+    @property
+    def max_px(self) -> int:
+        """pixels that may differ in any case, >= 0"""
+
+    @max_px.setter
+    def max_px(self, value: int, /) -> None: ...
+
+    @property
+    def max_rms_sigmas(self) -> float:
+        """root mean square difference of the others [standard deviations], > 0"""
+
+    @max_rms_sigmas.setter
+    def max_rms_sigmas(self, value: float, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class DepthDifference:
+    """How far apart two depth images are."""
+
+    @property
+    def union_px(self) -> int: ...
+
+    @property
+    def differing_px(self) -> int: ...
+
+    @property
+    def rms_sigmas(self) -> float: ...
+
+    def share(self) -> float: ...
+
+    def indistinguishable(self, options: AmbiguityOptions = ...) -> bool: ...
+
+    def __repr__(self) -> str: ...
+
+def depth_difference(part_a: partpose.core.TriangleMesh, camera_from_a: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], part_b: partpose.core.TriangleMesh, camera_from_b: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], intrinsics: partpose.core.Intrinsics, options: AmbiguityOptions = ...) -> DepthDifference:
+    """As rendered by this camera, nothing else in view."""
+
+class AmbiguousPose:
+    """Another pose, perhaps of another part, that looks the same."""
+
+    @property
+    def part(self) -> int:
+        """Index of whose; may be another part than the one seen."""
+
+    @property
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+
+    @property
+    def difference(self) -> DepthDifference: ...
+
+    @property
+    def displacement_mm(self) -> float: ...
+
+    def __repr__(self) -> str: ...
+
+class AmbiguitySearch:
+    """
+    Finds, for a part at a pose, other poses of it and poses of other parts that a camera cannot tell from it.
+    """
+
+    def __init__(self, catalogue: partpose.pipeline.Catalogue, intrinsics: partpose.core.Intrinsics, difference: AmbiguityOptions = ..., min_displacement: float = 0.05, turn_step_deg: float = 10.0, most_poses: int = 40) -> None: ...
+
+    @property
+    def names(self) -> list[str]: ...
+
+    def at(self, part: str, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]) -> list[AmbiguousPose]:
+        """Best first; empty when the view determines part and pose."""

@@ -1,0 +1,179 @@
+# Written by script/make_stubs.
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import numpy
+import numpy.typing
+from numpy.typing import NDArray
+
+import partpose.core
+
+
+def voxel_grid(cloud: partpose.core.PointCloud, voxel_mm: float) -> partpose.core.PointCloud:
+    """One point per occupied cell: their centroid."""
+
+def estimate_normals(cloud: partpose.core.PointCloud, radius_mm: float, viewpoint_mm: Annotated[NDArray[numpy.float32], dict(shape=(3), order='C')] = ...) -> partpose.core.PointCloud:
+    """A new cloud with normals and curvatures. Points must be finite."""
+
+def icosphere_directions(subdivide: int, use_vertices: bool) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3))]:
+    """
+    Unit directions: vertices (12, 42, 162, ...) or face centres (20, 80, ...).
+    """
+
+class Plane:
+    """{ p : normal . p + offset_mm = 0 }, turned towards the camera."""
+
+    @property
+    def normal(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]: ...
+
+    @property
+    def offset_mm(self) -> float: ...
+
+    def signed_distance_mm(self, point_mm: Annotated[NDArray[numpy.float32], dict(shape=(3), order='C')]) -> float:
+        """Positive on the camera's side."""
+
+    def __repr__(self) -> str: ...
+
+class PlaneFit:
+    """A plane and the points on it."""
+
+    @property
+    def plane(self) -> Plane: ...
+
+    @property
+    def rms_mm(self) -> float: ...
+
+    @property
+    def inliers(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,))]: ...
+
+    def __repr__(self) -> str: ...
+
+def fit_plane(cloud: partpose.core.PointCloud, distance_threshold_mm: float = 10.0, max_hypotheses: int = 500, seed: int = 1) -> PlaneFit | None:
+    """The dominant plane by RANSAC; None when there is none."""
+
+class KdTree:
+    """Nearest neighbours among points that do not change."""
+
+    def __init__(self, points_mm: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))]) -> None: ...
+
+    def nearest(self, queries_mm: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))]) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
+        """Indices (-1: none) and squared distances (mm^2) of the nearest points."""
+
+    def nearest_k(self, query_mm: Annotated[NDArray[numpy.float32], dict(shape=(3), order='C')], k: int) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
+        """The k nearest, nearest first; fewer when there are fewer."""
+
+class SurfaceDistance:
+    """The nearest place on a mesh's triangles, exact."""
+
+    def __init__(self, mesh: partpose.core.TriangleMesh) -> None: ...
+
+    def nearest(self, query_mm: Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]) -> tuple[float, Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')], int]:
+        """Distance (mm), place on the surface, triangle."""
+
+def even_surface_samples(mesh: partpose.core.TriangleMesh, count: int) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3))]:
+    """Points spread evenly over a mesh's surface."""
+
+class ConvexHull:
+    """A convex hull as triangles, counter-clockwise seen from outside."""
+
+    @property
+    def vertices(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3))]: ...
+
+    @property
+    def original(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,))]: ...
+
+    @property
+    def triangles(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None, 3))]: ...
+
+    @property
+    def flat(self) -> bool: ...
+
+    def volume_mm3(self) -> float: ...
+
+    def centroid(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]: ...
+
+    def __repr__(self) -> str: ...
+
+def convex_hull(points_mm: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))]) -> ConvexHull:
+    """Quickhull (Barber, Dobkin and Huhdanpaa 1996) with exact predicates."""
+
+class Symmetries:
+    """
+    The rigid motions of a part, model frame (mm), that map its shape onto itself.
+    """
+
+    def __init__(self, discrete: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]] = [], continuous: Sequence[tuple[Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')], Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]]] = []) -> None: ...
+
+    @property
+    def discrete(self) -> list[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]]:
+        """model_from_model, without the identity."""
+
+    @property
+    def continuous(self) -> list[tuple[Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')], Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]]]:
+        """
+        Axes (direction, a point on it in mm) about which it may be turned by any angle.
+        """
+
+    def empty(self) -> bool: ...
+
+    def __repr__(self) -> str: ...
+
+def symmetry_transformations(symmetries: Symmetries, max_step: float = 0.01) -> list[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]]:
+    """
+    A finite list of model_from_model, the identity first, as the BOP toolkit enumerates them.
+    """
+
+class MeasuredSymmetries:
+    """Symmetries and how exact each is."""
+
+    @property
+    def symmetries(self) -> Symmetries: ...
+
+    @property
+    def discrete_deviation_mm(self) -> list[float]: ...
+
+    @property
+    def continuous_deviation_mm(self) -> list[float]: ...
+
+    def largest_deviation_mm(self) -> float: ...
+
+    def __repr__(self) -> str: ...
+
+class SymmetrySearch:
+    """What search_symmetries found."""
+
+    @property
+    def found(self) -> MeasuredSymmetries:
+        """Within the tolerance."""
+
+    @property
+    def near(self) -> MeasuredSymmetries:
+        """But for a detail."""
+
+    @property
+    def tolerance_mm(self) -> float: ...
+
+    @property
+    def diameter_mm(self) -> float: ...
+
+    def __repr__(self) -> str: ...
+
+def search_symmetries(mesh: partpose.core.TriangleMesh, tolerance_mm: float | None = None) -> SymmetrySearch:
+    """
+    The rotations that put a part's surface back onto itself within a tolerance (None: by its size).
+    """
+
+def find_symmetries(mesh: partpose.core.TriangleMesh, tolerance_mm: float) -> Symmetries:
+    """Those within the tolerance."""
+
+def default_symmetry_tolerance_mm(diameter_mm: float) -> float: ...
+
+class DistanceGrid:
+    """Distance to the nearest of some points, tabulated."""
+
+    def __init__(self, points_mm: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], margin_mm: float, cells_along_longest: int = 48) -> None: ...
+
+    def at(self, p: Annotated[NDArray[numpy.float32], dict(shape=(3), order='C')]) -> float:
+        """In mm, right to about half a cell."""
+
+    def cell_mm(self) -> float: ...

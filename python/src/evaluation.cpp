@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "described.hpp"
+#include "interruptible.hpp"
+#include "recognition.hpp"
+#include "rooms.hpp"
+
+#include "partpose/evaluation/accuracy.hpp"
+#include "partpose/evaluation/ambiguity.hpp"
+#include "partpose/evaluation/experiment.hpp"
+#include "partpose/evaluation/pose_error.hpp"
+#include "partpose/geometry/symmetries.hpp"
+#include "partpose/pipeline/iteration_output.hpp"
+
+namespace partpose::python {
+
+namespace {
+
+const auto released = nb::call_guard<nb::gil_scoped_release>();
+
+void bind_pose_errors(nb::module_& m) {
+  m.def(
+      "add_mm",
+      [](const Points& vertices, const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth) {
+        return add_mm(vertices.span(), estimate, truth);
+      },
+      "vertices"_a, "estimate"_a, "truth"_a, released, "ADD: mean distance of each vertex from itself.");
+  m.def(
+      "adi_mm",
+      [](const Points& vertices, const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth) {
+        return adi_mm(vertices.span(), estimate, truth);
+      },
+      "vertices"_a, "estimate"_a, "truth"_a, released, "ADI (ADD-S): mean distance from the nearest vertex.");
+  m.def(
+      "mssd_mm",
+      [](const Points& vertices, const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
+         const Symmetries& symmetries) {
+        return mssd_mm(vertices.span(), estimate, truth, symmetry_transformations(symmetries));
+      },
+      "vertices"_a, "estimate"_a, "truth"_a, "symmetries"_a = Symmetries{}, released,
+      "MSSD: the largest distance of a vertex from itself, at the nearest of the equivalent poses.");
+  m.def(
+      "mspd_px",
+      [](const Points& vertices, const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
+         const Symmetries& symmetries, const Intrinsics& camera) {
+        Eigen::Matrix3d K;
+        K << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+        return mspd_px(vertices.span(), estimate, truth, symmetry_transformations(symmetries), K);
+      },
+      "vertices"_a, "estimate"_a, "truth"_a, "symmetries"_a, "intrinsics"_a, released,
+      "MSPD: the same in the image, px.");
+}
+
+void bind_accuracy(nb::module_& m) {
+  nb::class_<GroundTruth> truth(m, "GroundTruth", "What a scene shows. An empty name: none of the catalogue's parts.");
+  truth
+      .def(
+          "__init__",
+          [](GroundTruth* self, std::string name, const Eigen::Isometry3d& pose, int model_id, int view_id) {
+            new (self) GroundTruth{std::move(name), pose, model_id, view_id};
+          },
+          "model_name"_a, "camera_from_model"_a, "model_id"_a = -1, "view_id"_a = -1)
+      .def_ro("model_name", &GroundTruth::model_name)
+      .def_ro("camera_from_model", &GroundTruth::camera_from_model)
+      .def_ro("model_id", &GroundTruth::model_id)
+      .def_ro("view_id", &GroundTruth::view_id);
+  bind_repr(truth, {"model_name", "camera_from_model", "model_id", "view_id"});
+  m.def("evaluate", &evaluate, "result"_a, "truth"_a, "Compares a result with the truth (C.2.4; eq. 2.2 and 2.3).");
+
+  nb::class_<ProtocolFrame> frame(m, "ProtocolFrame", "A dataset's view as a test scene.");
+  frame.def_ro("truth", &ProtocolFrame::truth)
+      .def_ro("result", &ProtocolFrame::result)
+      .def_ro("evaluation", &ProtocolFrame::evaluation)
+      .def_ro("time_ms", &ProtocolFrame::time_ms);
+  bind_repr(frame, {"truth", "evaluation", "time_ms"});
+  nb::class_<ProtocolSummary> summary(m, "ProtocolSummary", "What some frames came to.");
+  summary.def_ro("frames", &ProtocolSummary::frames)
+      .def_ro("correct", &ProtocolSummary::correct)
+      .def_ro("wrong", &ProtocolSummary::wrong)
+      .def_ro("none", &ProtocolSummary::none)
+      .def_ro("pose_right", &ProtocolSummary::pose_right, "Correct, and within both limits.")
+      .def_ro("median_ms", &ProtocolSummary::median_ms)
+      .def_ro("p95_ms", &ProtocolSummary::p95_ms)
+      .def("correct_percent", &ProtocolSummary::correct_percent)
+      .def("wrong_percent", &ProtocolSummary::wrong_percent)
+      .def("none_percent", &ProtocolSummary::none_percent)
+      .def("pose_right_percent", &ProtocolSummary::pose_right_percent);
+  bind_repr(summary, {"frames", "correct", "wrong", "none", "pose_right", "median_ms", "p95_ms"});
+  m.def(
+      "run_protocol",
+      [](const GlobalPipeline& pipeline, const Dataset& test, const Callback& progress,
+         const std::optional<std::filesystem::path>& output) {
+        const auto save = [&](const ProtocolFrame& frame, const Recognition& recognition, const PointCloud& scene) {
+          const auto folder = write_iteration(*output, recognition, scene, pipeline.catalogue(), pipeline.config());
+          write_json(folder / "evaluation.json", frame.evaluation);
+          write_json(folder / "evaluation_dataset.json", test.out);
+        };
+        return interruptible(progress, [&](const Progress& told) {
+          return output ? run_protocol(pipeline, test, told, save) : run_protocol(pipeline, test, told);
+        });
+      },
+      "pipeline"_a, "test"_a, "progress"_a = nb::none(), "output"_a = nb::none(), released,
+      "Runs the pipeline on every view of every model of `test` (reference, 6.2.1). `output`: where each frame's "
+      "iteration folder, with evaluation.json, goes.");
+  m.def("summarize", &summarize, "frames"_a, "limit_deg"_a = 15.0, "limit_mm"_a = 15.0);
+
+  bind_described<FrameRecord>(m, "FrameRecord", "What one frame of one run of an experiment gave.");
+  m.def(
+      "run_experiment",
+      [](const std::filesystem::path& spec, const std::filesystem::path& output, const Callback& progress) {
+        return interruptible(progress, [&](const Progress& told) { return run_experiment(spec, output, told); });
+      },
+      "spec_file"_a, "output"_a, "progress"_a = nb::none(), released,
+      "Runs all frames that `output` does not have yet, and writes the tables.");
+  m.def("read_frame_records", &read_frame_records, "output"_a, "The finished frames of an experiment's folder.");
+}
+
+void bind_ambiguity(nb::module_& m) {
+  bind_described<AmbiguityOptions>(m, "AmbiguityOptions", "When two depth images are the same to a camera.");
+  nb::class_<DepthDifference> difference(m, "DepthDifference", "How far apart two depth images are.");
+  difference.def_ro("union_px", &DepthDifference::union_px)
+      .def_ro("differing_px", &DepthDifference::differing_px)
+      .def_ro("rms_sigmas", &DepthDifference::rms_sigmas)
+      .def("share", &DepthDifference::share)
+      .def("indistinguishable", &DepthDifference::indistinguishable, "options"_a = AmbiguityOptions{});
+  bind_repr(difference, {"union_px", "differing_px", "rms_sigmas"});
+  m.def(
+      "depth_difference",
+      [](const TriangleMesh& part_a, const Eigen::Isometry3d& camera_from_a, const TriangleMesh& part_b,
+         const Eigen::Isometry3d& camera_from_b, const Intrinsics& camera, const AmbiguityOptions& options) {
+        return depth_difference(part_a, camera_from_a, part_b, camera_from_b, camera, options);
+      },
+      "part_a"_a, "camera_from_a"_a, "part_b"_a, "camera_from_b"_a, "intrinsics"_a, "options"_a = AmbiguityOptions{},
+      released, "As rendered by this camera, nothing else in view.");
+  nb::class_<AmbiguousPose> pose(m, "AmbiguousPose", "Another pose, perhaps of another part, that looks the same.");
+  pose.def_ro("part", &AmbiguousPose::part, "Index of whose; may be another part than the one seen.")
+      .def_ro("camera_from_model", &AmbiguousPose::camera_from_model)
+      .def_ro("difference", &AmbiguousPose::difference)
+      .def_ro("displacement_mm", &AmbiguousPose::displacement_mm);
+  bind_repr(pose, {"part", "camera_from_model", "displacement_mm"});
+  nb::class_<AmbiguitySearch>(m, "AmbiguitySearch",
+                              "Finds, for a part at a pose, other poses of it and poses of other parts that a camera "
+                              "cannot tell from it.")
+      .def(
+          "__init__",
+          [](AmbiguitySearch* self, const Catalogue& catalogue, const Intrinsics& camera,
+             const AmbiguityOptions& options, double min_displacement, double turn_step_deg, int most_poses) {
+            std::vector<AmbiguityPart> parts;
+            for (std::size_t i = 0; i < catalogue.parts.size(); ++i)
+              parts.push_back({catalogue.parts[i].name, catalogue.parts[i].mesh,
+                               catalogue.dataset.out.models[i].symmetries.symmetries()});
+            new (self)
+                AmbiguitySearch(std::move(parts), camera, {options, min_displacement, turn_step_deg, most_poses});
+          },
+          "catalogue"_a, "intrinsics"_a, "difference"_a = AmbiguityOptions{}, "min_displacement"_a = 0.05,
+          "turn_step_deg"_a = 10.0, "most_poses"_a = 40, released)
+      .def_prop_ro("names",
+                   [](const AmbiguitySearch& self) {
+                     std::vector<std::string> names;
+                     for (const auto& part : self.parts()) names.push_back(part.name);
+                     return names;
+                   })
+      .def(
+          "at",
+          [](const AmbiguitySearch& self, const std::string& part, const Eigen::Isometry3d& camera_from_model) {
+            std::vector<std::string> names;
+            for (const auto& each : self.parts()) names.push_back(each.name);
+            for (std::size_t i = 0; i < names.size(); ++i)
+              if (names[i] == part) return self.at(static_cast<int>(i), camera_from_model);
+            throw Error("there is no part \"{}\"; did you mean \"{}\"?", part, nearest_word(part, names));
+          },
+          "part"_a, "camera_from_model"_a, released, "Best first; empty when the view determines part and pose.");
+}
+
+}  // namespace
+
+void bind_evaluation(nb::module_& parent) {
+  auto evaluation = room(parent, "evaluation", "Pose errors, accuracy test, experiments, ambiguous views.");
+  bind_pose_errors(evaluation);
+  bind_accuracy(evaluation);
+  bind_ambiguity(evaluation);
+}
+
+}  // namespace partpose::python
