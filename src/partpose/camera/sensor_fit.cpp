@@ -13,6 +13,7 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 namespace partpose {
 
@@ -251,14 +252,20 @@ Correlation fit_correlation(std::vector<double> covariance, double removed_modes
   return out;
 }
 
-/// Greatest common divisor of all depths, in mm.
+/// Greatest common divisor of all depths, in mm. Fewer than five different depths say nothing about the step.
 std::optional<double> depth_step(std::span<const DepthImage> frames, const Region& region, double unit_mm) {
   if (!(unit_mm > 0)) return std::nullopt;
   std::int64_t divisor = 0;
+  std::set<std::int64_t> different;
+  constexpr std::size_t enough = 5;
   for (const auto& frame : frames)
     for (int v = region.top; v < region.top + region.height; ++v)
-      for (int u = region.left; u < region.left + region.width; ++u)
-        divisor = std::gcd(divisor, static_cast<std::int64_t>(std::llround(frame.at(u, v) / unit_mm)));
+      for (int u = region.left; u < region.left + region.width; ++u) {
+        const auto units = static_cast<std::int64_t>(std::llround(frame.at(u, v) / unit_mm));
+        divisor = std::gcd(divisor, units);
+        if (units > 0 && different.size() < enough) different.insert(units);
+      }
+  if (different.size() < enough) return std::nullopt;
   return static_cast<double>(divisor) * unit_mm;
 }
 

@@ -41,10 +41,10 @@ void DatasetPreparationConfig::check() const {
 
 std::vector<DatasetView> icosahedron_views(const IcosahedronOptions& options) {
   const double angle = radians(options.xyz_rotation_deg);
-  const Eigen::Matrix3d turn = (Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) *
-                                Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) *
-                                Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()))
-                                   .toRotationMatrix();
+  const Eigen::Matrix3d turn =
+      (Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) *
+       Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
   std::vector<DatasetView> views;
   for (const auto& direction : icosphere_directions(options.subdivide, options.use_vertices)) {
     const Eigen::Vector3d position = options.capture_distance_mm * (turn * direction);
@@ -111,17 +111,23 @@ std::map<std::size_t, ModelSymmetries> given_symmetries(const DatasetOut& out) {
   for (const auto& [key, info] : read_models_info(path)) {
     auto model = std::find_if(out.models.begin(), out.models.end(),
                               [&key = key](const DatasetModel& m) { return m.name == key; });
-    if (model == out.models.end())
+    if (model == out.models.end() && info.name)
+      model = std::find_if(out.models.begin(), out.models.end(),
+                           [&info = info](const DatasetModel& m) { return m.name == *info.name; });
+    if (model == out.models.end() && !info.name)
       model = std::find_if(out.models.begin(), out.models.end(),
                            [&key = key](const DatasetModel& m) { return std::to_string(m.id) == key; });
     if (model == out.models.end()) continue;  // a file may tell of more parts than this dataset has
     auto symmetries = info.symmetries;
-    symmetries.symmetry_tolerance_mm.reset();  // given, not found in this mesh
+    if (!symmetries.symmetries_discrete && !symmetries.symmetries_continuous)
+      symmetries.symmetries_discrete.emplace();  // stated: there are none
+    symmetries.symmetry_tolerance_mm.reset();    // given, not found in this mesh
     symmetries.symmetry_deviation_mm.reset();
     given[model - out.models.begin()] = symmetries;
   }
   if (given.empty())
-    throw Error("{}: tells of none of the models; its keys must be names such as \"{}\", or ids", path.string(), names[0]);
+    throw Error("{}: tells of none of the models; its keys must be names such as \"{}\", or ids", path.string(),
+                names[0]);
   return given;
 }
 
@@ -171,8 +177,10 @@ void check_size(const TriangleMesh& mesh, const DatasetPreparationConfig& config
   const double diagonal_mm = bounding_box_diagonal(mesh);
   const double distance_mm = config.virtual_views_icosahedron.capture_distance_mm;
   if (diagonal_mm / 2 >= distance_mm)
-    throw Error("{}: is {:.4g} mm large, too large for cameras at {:.4g} mm: is it in millimetres? If so, raise "
-                "capture_distance_mm", path.string(), diagonal_mm, distance_mm);
+    throw Error(
+        "{}: is {:.4g} mm large, too large for cameras at {:.4g} mm: is it in millimetres? If so, raise "
+        "capture_distance_mm",
+        path.string(), diagonal_mm, distance_mm);
   constexpr double fewest_px = 3;
   if (diagonal_mm * config.virtual_depth_camera.intrinsics().fx / distance_mm < fewest_px)
     throw Error("{}: is {:.4g} mm large, too small to be seen from {:.4g} mm: is it in millimetres?", path.string(),

@@ -21,6 +21,7 @@ CameraRollHistogram camera_roll_histogram(const PointCloud& cloud, const Eigen::
   std::array<double, crh_bins> sums{};
   double total = 0;
   for (const auto& normal : cloud.normals) {
+    if (!normal.allFinite()) continue;
     const Eigen::Vector3f n = rotation * normal;
     const double weight = std::hypot(n.x(), n.y());
     const double turn = (std::atan2(n.y(), n.x()) + std::numbers::pi) / (2 * std::numbers::pi);

@@ -22,7 +22,7 @@ class Cvfh final : public GlobalDescriptor {
     const auto clusters = smooth_clusters(cloud, limits_).clusters;
     if (clusters.empty()) {
       auto whole = make_descriptor(vfh_options_)->describe(cloud);
-      whole[0].valid = false;
+      for (auto& description : whole) description.valid = false;
       return whole;
     }
     const OrientedPoints points(cloud);

@@ -169,7 +169,7 @@ class OurCvfh final : public GlobalDescriptor {
     }
     if (descriptions.empty()) {
       descriptions = make_descriptor(vfh_options_)->describe(cloud);
-      descriptions[0].valid = false;
+      for (auto& description : descriptions) description.valid = false;
     }
     return descriptions;
   }

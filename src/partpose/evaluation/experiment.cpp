@@ -435,14 +435,63 @@ void ExperimentSpec::check() const {
     throw Error("save_frames \"{}\": must be \"none\", \"failures\" or \"all\"", save_frames);
 }
 
+namespace {
+
+/// A hash of every file that the spec names, by path: finished frames are kept only while all of them are the same.
+Json input_hashes(const ExperimentSpec& spec) {
+  std::set<fs::path> files;
+  const auto add = [&](const fs::path& path) {
+    if (path.empty()) return;
+    if (!fs::is_directory(path)) {
+      files.insert(path);
+      return;
+    }
+    for (const auto& entry : fs::directory_iterator(path))
+      if (entry.is_regular_file()) files.insert(entry.path());
+  };
+  add(spec.database);
+  for (const auto& group : spec.groups)
+    for (const auto& part : group.parts) add(part);
+  for (const auto& configuration : spec.configurations) add(configuration.pipeline);
+  for (const auto& protocol : spec.protocols) {
+    add(protocol.views);
+    add(protocol.scenes);
+    if (!protocol.captured.empty()) {
+      add(fs::path(protocol.captured) / "gt.json");
+      if (const auto file = fs::path(protocol.captured) / "symmetries.json"; fs::exists(file)) add(file);
+    }
+  }
+  Json hashes = Json::object();
+  for (const auto& file : files)
+    if (fs::is_regular_file(file) && fs::file_size(file) > 0) hashes[file.string()] = content_hash(read_file(file));
+  return hashes;
+}
+
+/// Throws Error when an input is another one than the finished frames were made of.
+void check_inputs(const fs::path& file, const Json& now) {
+  if (!fs::exists(file)) return;
+  const Json before = read_json_file(file);
+  for (const Json* names : {&before, &now})
+    for (const auto& [path, hash] : names->items())
+      if (!before.contains(path) || !now.contains(path) || before[path] != now[path])
+        throw Error(
+            "{}: has changed since the frames of {} were recognized; give another output folder, or remove that one",
+            path, file.parent_path().string());
+}
+
+}  // namespace
+
 std::vector<FrameRecord> run_experiment(const fs::path& spec_file, const fs::path& output, const Progress& progress) {
   const ExperimentSpec spec = read_spec(spec_file);
+  const Json inputs = input_hashes(spec);
+  const fs::path inputs_file = output / "inputs.json";
   const fs::path own_spec = output / "experiment.json";
   if (fs::exists(own_spec)) {
     const bool same = read_json_file(own_spec) == to_json(spec);
     if (!same && !read_frame_records(output).empty())
       throw Error("{}: holds another experiment than {}; give another output folder, or remove this one",
                   output.string(), spec_file.string());
+    if (!read_frame_records(output).empty()) check_inputs(inputs_file, inputs);
     if (!same) write_json(own_spec, spec);  // of the other nothing was finished
   } else {
     if (fs::exists(output) && !fs::is_empty(output))
@@ -450,6 +499,7 @@ std::vector<FrameRecord> run_experiment(const fs::path& spec_file, const fs::pat
     fs::create_directories(output);
     write_json(own_spec, spec);
   }
+  write_json_file(inputs_file, inputs);
   Experiment(spec, output, progress).run();
   auto records = in_order_of(spec, read_frame_records(output));
   write_tables(records, spec, output);

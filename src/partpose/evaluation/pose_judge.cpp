@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 namespace partpose {
 
@@ -18,7 +19,8 @@ struct PoseJudge::Part {
   std::string name;
   TriangleMesh mesh;
   double diameter_mm = 0;
-  std::vector<Eigen::Isometry3d> symmetries;  ///< model_from_model, the identity first
+  std::vector<Eigen::Isometry3d> symmetries;   ///< model_from_model, the identity first
+  std::optional<Eigen::Vector3d> ball_centre;  ///< of a part that may be turned about several axes: about any
   /// MSSD is the largest value of a convex function of the point (the length of an affine map), which a corner of the
   /// hull takes.
   std::vector<Eigen::Vector3f> hull;
@@ -52,9 +54,10 @@ PoseJudge::PoseJudge(const Catalogue& catalogue) : parts_(catalogue.parts.size()
     const bool stated =
         model != models.end() && (model->symmetries.symmetries_discrete || model->symmetries.symmetries_continuous ||
                                   model->symmetries.symmetry_tolerance_mm);
-    part.symmetries =
-        symmetry_transformations(stated ? model->symmetries.symmetries()
-                                        : find_symmetries(from.mesh, default_symmetry_tolerance_mm(part.diameter_mm)));
+    const Symmetries symmetries = stated ? model->symmetries.symmetries()
+                                         : find_symmetries(from.mesh, default_symmetry_tolerance_mm(part.diameter_mm));
+    part.symmetries = symmetry_transformations(symmetries);
+    if (symmetries.continuous.size() > 1) part.ball_centre = symmetries.continuous[0].offset_mm;
     part.hull = hull_corners(from.mesh);
   });
 }
@@ -86,8 +89,15 @@ Evaluation PoseJudge::judge(const Result& result, const GroundTruth& truth, cons
     const DepthImage true_depth = render(shown->mesh, pose, frame.camera).depth;
     out.add_mm = static_cast<float>(add_mm(shown->mesh.vertices, estimate, pose));
     out.adi_mm = static_cast<float>(adi_mm(shown->mesh.vertices, estimate, pose));
-    out.mssd_mm = static_cast<float>(mssd_mm(shown->hull, estimate, pose, shown->symmetries));
-    out.mspd_px = static_cast<float>(mspd_px(shown->mesh.vertices, estimate, pose, shown->symmetries, K) *
+    // BOP does not combine the turns of several axes. Of a ball the equivalent pose turned like the estimate is the
+    // best.
+    auto symmetries = shown->symmetries;
+    if (shown->ball_centre)
+      symmetries = {Eigen::Translation3d(*shown->ball_centre) *
+                    Eigen::Isometry3d(pose.linear().transpose() * estimate.linear()) *
+                    Eigen::Translation3d(-*shown->ball_centre)};
+    out.mssd_mm = static_cast<float>(mssd_mm(shown->hull, estimate, pose, symmetries));
+    out.mspd_px = static_cast<float>(mspd_px(shown->mesh.vertices, estimate, pose, symmetries, K) *
                                      bop_pixel_factor(frame.camera.width));
     const DepthImage measured =
         frame.depth.z_mm.empty() ? DepthImage(frame.camera.width, frame.camera.height) : frame.depth;
