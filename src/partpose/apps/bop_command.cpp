@@ -5,6 +5,7 @@
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
+#include "partpose/engine/engine.hpp"
 #include "partpose/evaluation/bop_recognition.hpp"
 #include "partpose/evaluation/bop_score.hpp"
 #include "partpose/io/json.hpp"
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 struct BopRecognizeArguments {
   fs::path dataset, output, cache;
   std::string split = "test";
+  std::string recognizer = "recognizer";
   float min_score = RecognizerOptions{}.min_score;
 };
 
@@ -45,9 +47,14 @@ void recognize(const BopRecognizeArguments& arguments, const Common& common) {
   RecognizerOptions options;
   options.min_score = arguments.min_score;
   const auto progress = terminal_progress(common.quiet);
-  const Recognizer recognizer(
-      bop_catalogue(dataset, arguments.cache.empty() ? default_cache_folder() : arguments.cache, progress), options);
-  const auto estimates = recognize_bop(dataset, recognizer, options.min_score, progress);
+  Catalogue catalogue =
+      bop_catalogue(dataset, arguments.cache.empty() ? default_cache_folder() : arguments.cache, progress);
+  std::unique_ptr<PartRecognizer> recognizer;
+  if (arguments.recognizer == "engine")
+    recognizer = std::make_unique<Engine>(std::move(catalogue));
+  else
+    recognizer = std::make_unique<Recognizer>(std::move(catalogue), options);
+  const auto estimates = recognize_bop(dataset, *recognizer, options.min_score, progress);
   write_bop_results(arguments.output, estimates);
   if (common.quiet) return;
   int wanted = 0;
@@ -144,6 +151,10 @@ void add_bop_commands(CLI::App& app, const Common& common) {
       ->required();
   recognize_command
       ->add_option("--min-score", recognize_arguments->min_score, "A candidate below is not believed, 0 to 1")
+      ->capture_default_str();
+  recognize_command
+      ->add_option("--recognizer", recognize_arguments->recognizer, "What recognizes the parts: recognizer or engine")
+      ->check(CLI::IsMember({"recognizer", "engine"}))
       ->capture_default_str();
   recognize_command->add_option("--cache", recognize_arguments->cache,
                                 "Where catalogues of the models are kept (default: ~/.cache/partpose)");

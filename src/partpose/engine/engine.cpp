@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -230,6 +231,12 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     for (auto& target : targets) impl_->decide(target);
     std::stable_sort(targets.begin(), targets.end(), by_evidence);
   });
+  if (std::getenv("ENGINE_DEBUG"))
+    for (const auto& t : targets) {
+      fmt::print("target px {} whole {} noise {:.2f} evidence {:.3f}\n", t.segment->pixels.size(), t.segment->whole_frame, t.noise_mm, t.evidence());
+      for (const auto& c : t.candidates)
+        fmt::print("   {} score {:.3f} rms {:.2f} verdict {}\n", impl_->catalogue.parts[impl_->part_of(c)].name, c.score, c.icp_fitness, c.verification.reason);
+    }
   if (targets.empty()) {
     r.reason = "no segment has enough points";
     return r;
