@@ -82,9 +82,12 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
           } else if (model_z < measured_z - 3 * sensor.noise_mm) {
             ++out.free_space;
             out.log_likelihood += std::max(log_outlier, by_neighbour);
+          } else if (model_z < measured_z + 3 * sensor.noise_mm) {
+            agree = std::max(agree, 0.6);  // measured, but cut off from the object
+            out.log_likelihood += std::max(0.0, by_neighbour);
           } else {
             ++out.hidden;
-            agree = std::max(agree, 0.8);
+            agree = std::max(agree, 0.35);
             out.log_likelihood += std::max(log_hidden, by_neighbour);
           }
         }

@@ -15,7 +15,7 @@ struct SensorModel {
   double noise_mm = 1;      ///< standard deviation of a depth
   double outlier = 0.05;    ///< share of pixels that say nothing about the surface
   double hole = 0.2;        ///< share of the part's pixels without a depth
-  double hidden = 0.1;      ///< share of the part's pixels where something else is before it
+  double hidden = 0.05;     ///< share of the part's pixels where something else is before it
   double size_mm = 100;     ///< the depths in question: where nothing is known, a depth is anywhere in it
 };
 

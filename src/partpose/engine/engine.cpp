@@ -41,12 +41,12 @@ struct Target {
   LabelledDepth coarse, fine;
   std::vector<Eigen::Vector3f> points;  ///< of the coarse object, camera frame
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double noise_mm = 1;
+  double noise_mm = 1, local_noise_mm = 1;
   std::vector<Candidate> candidates;  ///< best first
   double best_score = 0;
 
   double evidence() const {
-    return best_score * best_score * std::pow(static_cast<double>(segment->pixels.size()), 0.25);
+    return std::pow(best_score, 5) * std::pow(static_cast<double>(segment->pixels.size()), 0.25);
   }
 };
 
@@ -145,7 +145,10 @@ struct Engine::Impl {
   double two_way_cost(const Hypothesis& hypothesis, double forward, const Target& target, double tolerance_mm) const;
   std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted) const;
   void verify(std::vector<Hypothesis> hypotheses, Target& target) const;
+  /// Moves the contenders onto the data; returns the least that a fit leaves, in mm.
+  double polish(Target& target) const;
   void decide(Target& target) const;
+  std::size_t contenders_of(const Target& target) const;
   SensorModel sensor(const Target& target, int part) const {
     return {.noise_mm = target.noise_mm, .size_mm = models[part].diameter_mm};
   }
@@ -202,7 +205,10 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   r.num_of_points_input =
       static_cast<int>(std::count_if(depth.z_mm.begin(), depth.z_mm.end(), [](float z) { return z > 0; }));
   StageTimes time(r.stages);
-  const auto segments = time("segmentation", [&] { return segment(depth, camera, impl_->segmentation); });
+  const auto segments = time("segmentation", [&] {
+    return with_pairs(segment(depth, camera, impl_->segmentation), depth, camera, impl_->segmentation.largest_part_mm,
+                      4);
+  });
   if (segments.empty()) {
     r.reason = "nothing of a part's size stands out from the table or the background";
     return r;
@@ -226,16 +232,35 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   }
   const auto by_evidence = [](const Target& a, const Target& b) { return a.evidence() > b.evidence(); };
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
+  if (std::getenv("ENGINE_DEBUG"))
+    for (const auto& t : targets) {
+      fmt::print("before target px {} whole {} noise {:.2f} evidence {:.3f} centre {:.0f} {:.0f} {:.0f} coarse {}x{} points {}\n", t.segment->pixels.size(), t.segment->whole_frame, t.noise_mm, t.evidence(), t.centre.x(), t.centre.y(), t.centre.z(), t.coarse.depth.width, t.coarse.depth.height, t.points.size());
+      for (std::size_t i = 0; i < std::min<std::size_t>(t.candidates.size(), 4); ++i) {
+        const auto& c = t.candidates[i];
+        fmt::print("   {} score {:.3f} rms {:.2f} t {:.0f} {:.0f} {:.0f}\n", impl_->catalogue.parts[impl_->part_of(c)].name, c.score, c.icp_fitness, c.camera_from_model.translation().x(), c.camera_from_model.translation().y(), c.camera_from_model.translation().z());
+      }
+    }
   time("decision", [&] {
-    while (!targets.empty() && targets.back().evidence() < 0.4 * targets.front().evidence()) targets.pop_back();
-    for (auto& target : targets) impl_->decide(target);
+    while (!targets.empty() && targets.back().evidence() < 0.2 * targets.front().evidence()) targets.pop_back();
+    // What the likeliest object's best fit leaves is the frame's noise; what others leave beyond that speaks against
+    // them. By the square law of triangulation it grows with the distance.
+    double noise_per_mm2 = 0;
+    for (auto& target : targets) {
+      const double left_mm = impl_->polish(target);
+      const double z_mm = target.centre.z();
+      if (&target == &targets[0] && std::isfinite(left_mm)) noise_per_mm2 = left_mm / (z_mm * z_mm);
+      if (noise_per_mm2 > 0) target.noise_mm = std::max(noise_per_mm2 * z_mm * z_mm, target.local_noise_mm);
+      impl_->decide(target);
+    }
     std::stable_sort(targets.begin(), targets.end(), by_evidence);
   });
   if (std::getenv("ENGINE_DEBUG"))
     for (const auto& t : targets) {
-      fmt::print("target px {} whole {} noise {:.2f} evidence {:.3f}\n", t.segment->pixels.size(), t.segment->whole_frame, t.noise_mm, t.evidence());
-      for (const auto& c : t.candidates)
-        fmt::print("   {} score {:.3f} rms {:.2f} verdict {}\n", impl_->catalogue.parts[impl_->part_of(c)].name, c.score, c.icp_fitness, c.verification.reason);
+      fmt::print("after target px {} whole {} noise {:.2f} evidence {:.3f} centre {:.0f} {:.0f} {:.0f} coarse {}x{} points {}\n", t.segment->pixels.size(), t.segment->whole_frame, t.noise_mm, t.evidence(), t.centre.x(), t.centre.y(), t.centre.z(), t.coarse.depth.width, t.coarse.depth.height, t.points.size());
+      for (std::size_t i = 0; i < std::min<std::size_t>(t.candidates.size(), 4); ++i) {
+        const auto& c = t.candidates[i];
+        fmt::print("   {} score {:.3f} rms {:.2f} t {:.0f} {:.0f} {:.0f}\n", impl_->catalogue.parts[impl_->part_of(c)].name, c.score, c.icp_fitness, c.camera_from_model.translation().x(), c.camera_from_model.translation().y(), c.camera_from_model.translation().z());
+      }
     }
   if (targets.empty()) {
     r.reason = "no segment has enough points";
@@ -264,7 +289,7 @@ Target Engine::Impl::target_of(const DepthImage& depth, const Intrinsics& camera
   target.points = object_points(target.coarse);
   for (const auto& p : target.points) target.centre += p.cast<double>();
   target.centre /= std::max<double>(static_cast<double>(target.points.size()), 1);
-  target.noise_mm = std::max(local_noise_mm(depth, segment), 0.1);
+  target.noise_mm = target.local_noise_mm = std::max(local_noise_mm(depth, segment), 0.1);
   return target;
 }
 
@@ -407,7 +432,8 @@ void Engine::Impl::verify(std::vector<Hypothesis> hypotheses, Target& target) co
   parallel_for(hypotheses.size(), [&](std::size_t i) { rms[i] = settle(hypotheses[i]); });
   double best_rms = std::numeric_limits<double>::infinity();
   for (const double value : rms) best_rms = std::min(best_rms, value);
-  target.noise_mm = std::max(target.noise_mm, best_rms);
+  if (!hypotheses.empty())
+    target.noise_mm = std::max(target.noise_mm, std::min(best_rms, 0.01 * models[hypotheses[0].part].diameter_mm));
 
   const auto compare = [&](const Hypothesis& h) {
     const TriangleMesh& mesh = catalogue.parts[h.part].mesh;
@@ -438,13 +464,18 @@ void Engine::Impl::verify(std::vector<Hypothesis> hypotheses, Target& target) co
   target.best_score = target.candidates.empty() ? 0 : target.candidates[0].score;
 }
 
-void Engine::Impl::decide(Target& target) const {
+std::size_t Engine::Impl::contenders_of(const Target& target) const {
   constexpr float share = 0.85f;
-  auto& candidates = target.candidates;
   std::size_t contenders = 0;
-  while (contenders < std::min<std::size_t>(candidates.size(), 4) &&
-         candidates[contenders].score >= share * candidates[0].score)
+  while (contenders < std::min<std::size_t>(target.candidates.size(), 4) &&
+         target.candidates[contenders].score >= share * target.candidates[0].score)
     ++contenders;
+  return contenders;
+}
+
+double Engine::Impl::polish(Target& target) const {
+  auto& candidates = target.candidates;
+  const std::size_t contenders = contenders_of(target);
   std::vector<double> rms(contenders);
   parallel_for(contenders, [&](std::size_t i) {
     Candidate& candidate = candidates[i];
@@ -461,8 +492,12 @@ void Engine::Impl::decide(Target& target) const {
   });
   double noise_mm = std::numeric_limits<double>::infinity();
   for (const double value : rms) noise_mm = std::min(noise_mm, value);
-  Target closer;
-  if (std::isfinite(noise_mm)) target.noise_mm = std::max(noise_mm, 0.1);
+  return noise_mm;
+}
+
+void Engine::Impl::decide(Target& target) const {
+  auto& candidates = target.candidates;
+  const std::size_t contenders = contenders_of(target);
   std::vector<DepthComparison> comparison(contenders);
   parallel_for(contenders, [&](std::size_t i) {
     const int part = part_of(candidates[i]);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 namespace partpose {
 
@@ -47,6 +48,55 @@ LabelledDepth neighbourhood(const DepthImage& depth, const Intrinsics& camera, c
       out.label[static_cast<std::size_t>(dv / stride) * out.depth.width + du / stride] = PixelLabel::object;
   }
   return out;
+}
+
+std::vector<Segment> with_pairs(std::vector<Segment> segments, const DepthImage& depth, const Intrinsics& camera,
+                                double largest_mm, int most) {
+  constexpr int block_px = 4;  // pieces nearly touch where they are in the same block of pixels or in neighbouring ones
+  const int columns = depth.width / block_px + 3;
+  std::vector<std::vector<int>> blocks;  // of each segment, rising
+  std::vector<Eigen::AlignedBox3f> boxes;
+  for (const auto& segment : segments) {
+    std::vector<int> own;
+    Eigen::AlignedBox3f box;
+    for (const int p : segment.pixels) {
+      const int u = p % depth.width, v = p / depth.width;
+      own.push_back((v / block_px + 1) * columns + u / block_px + 1);
+      box.extend(camera.unproject(u, v, depth.z_mm[p]));
+    }
+    std::sort(own.begin(), own.end());
+    own.erase(std::unique(own.begin(), own.end()), own.end());
+    blocks.push_back(std::move(own));
+    boxes.push_back(box);
+  }
+  const auto touch = [&](std::size_t a, std::size_t b) {
+    std::size_t shared = 0, near = 0;
+    for (const int block : blocks[a])
+      for (int dv = -1; dv <= 1; ++dv)
+        for (int du = -1; du <= 1; ++du) {
+          const bool there = std::binary_search(blocks[b].begin(), blocks[b].end(), block + dv * columns + du);
+          near += there;
+          shared += there && du == 0 && dv == 0;
+        }
+    // Not where one holds the other already.
+    return near > 0 && 2 * shared < std::min(blocks[a].size(), blocks[b].size());
+  };
+  std::vector<Segment> pairs;
+  for (std::size_t a = 0; a < segments.size(); ++a)
+    for (std::size_t b = a + 1; b < segments.size(); ++b) {
+      if (segments[a].whole_frame || segments[b].whole_frame) continue;
+      if (boxes[a].merged(boxes[b]).sizes().maxCoeff() > largest_mm || !touch(a, b)) continue;
+      Segment pair;
+      std::set_union(segments[a].pixels.begin(), segments[a].pixels.end(), segments[b].pixels.begin(),
+                     segments[b].pixels.end(), std::back_inserter(pair.pixels));
+      const auto same = [&](const Segment& other) { return other.pixels == pair.pixels; };
+      if (std::none_of(segments.begin(), segments.end(), same)) pairs.push_back(std::move(pair));
+    }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Segment& a, const Segment& b) { return a.pixels.size() > b.pixels.size(); });
+  if (static_cast<int>(pairs.size()) > most) pairs.resize(most);
+  for (auto& pair : pairs) segments.push_back(std::move(pair));
+  return segments;
 }
 
 std::vector<Eigen::Vector3f> object_points(const LabelledDepth& frame) {

@@ -16,6 +16,11 @@ namespace partpose {
 LabelledDepth neighbourhood(const DepthImage& depth, const Intrinsics& camera, const Segment& segment, double margin_mm,
                             int wanted_pixels);
 
+/// The segments, and besides them what two that nearly touch in the image make together while it is no larger than
+/// `largest_mm`: a part may hide its own middle. At most `most` pairs, the largest first.
+std::vector<Segment> with_pairs(std::vector<Segment> segments, const DepthImage& depth, const Intrinsics& camera,
+                                double largest_mm, int most);
+
 /// The points of the object's pixels, camera frame.
 std::vector<Eigen::Vector3f> object_points(const LabelledDepth& frame);
 
