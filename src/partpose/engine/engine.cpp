@@ -42,11 +42,12 @@ struct Target {
   std::vector<Eigen::Vector3f> points;  ///< of the coarse object, camera frame
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double noise_mm = 1, local_noise_mm = 1;
-  std::vector<Candidate> candidates;  ///< best first
+  std::vector<Hypothesis> hypotheses;  ///< before the verification, best first
+  std::vector<Candidate> candidates;   ///< best first
   double best_score = 0;
 
   double evidence() const {
-    return std::pow(best_score, 5) * std::pow(static_cast<double>(segment->pixels.size()), 0.25);
+    return std::pow(best_score, 6) * std::sqrt(static_cast<double>(segment->pixels.size()));
   }
 };
 
@@ -144,7 +145,7 @@ struct Engine::Impl {
   void refine(std::vector<Hypothesis>& hypotheses, const Target& target, int points, int iterations) const;
   double two_way_cost(const Hypothesis& hypothesis, double forward, const Target& target, double tolerance_mm) const;
   std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted) const;
-  void verify(std::vector<Hypothesis> hypotheses, Target& target) const;
+  void verify(Target& target) const;
   /// Moves the contenders onto the data; returns the least that a fit leaves, in mm.
   double polish(Target& target) const;
   void decide(Target& target) const;
@@ -227,9 +228,18 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
       hypotheses = best_of(impl_->distinct(best_of(std::move(hypotheses), 1000, 1)), 6, 1);
       if (hypotheses.size() > 12) hypotheses.resize(12);
     });
-    time("verify", [&] { impl_->verify(std::move(hypotheses), target); });
-    if (!target.candidates.empty()) targets.push_back(std::move(target));
+    target.hypotheses = std::move(hypotheses);
+    if (!target.hypotheses.empty()) targets.push_back(std::move(target));
   }
+  // A closer look at the objects that a part explains best.
+  constexpr std::size_t most_verified = 6;
+  std::stable_sort(targets.begin(), targets.end(), [](const Target& a, const Target& b) {
+    return a.hypotheses[0].cost < b.hypotheses[0].cost;
+  });
+  if (targets.size() > most_verified) targets.resize(most_verified);
+  time("verify", [&] {
+    for (auto& target : targets) impl_->verify(target);
+  });
   const auto by_evidence = [](const Target& a, const Target& b) { return a.evidence() > b.evidence(); };
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
   if (std::getenv("ENGINE_DEBUG"))
@@ -283,7 +293,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
 Target Engine::Impl::target_of(const DepthImage& depth, const Intrinsics& camera, const Segment& segment) const {
   Target target;
   target.segment = &segment;
-  const double margin_mm = 0.4 * segmentation.largest_part_mm;
+  const double margin_mm = 0.5 * segmentation.largest_part_mm;
   target.coarse = neighbourhood(depth, camera, segment, margin_mm, 1200);
   target.fine = neighbourhood(depth, camera, segment, margin_mm, 6000);
   target.points = object_points(target.coarse);
@@ -336,6 +346,8 @@ std::vector<Hypothesis> Engine::Impl::shortlist(const Target& target) const {
 }
 
 void Engine::Impl::refine(std::vector<Hypothesis>& hypotheses, const Target& target, int points, int iterations) const {
+  // One part's after the other's, so that its field stays in the cache.
+  std::stable_sort(hypotheses.begin(), hypotheses.end(), [](const auto& a, const auto& b) { return a.part < b.part; });
   const auto probes = spread(target.points, points);
   const Eigen::Vector3f centre = target.centre.cast<float>();
   parallel_for(
@@ -417,15 +429,22 @@ Candidate Engine::Impl::candidate_of(const Hypothesis& h, int id) const {
   return candidate;
 }
 
-void Engine::Impl::verify(std::vector<Hypothesis> hypotheses, Target& target) const {
+void Engine::Impl::verify(Target& target) const {
+  std::vector<Hypothesis> hypotheses = std::move(target.hypotheses);
+  const auto probes = spread(target.points, 200);
   const Eigen::Vector3f centre = target.centre.cast<float>();
   // All object pixels onto the surface; what is left of the best is the noise, with the slow waves in it.
   std::vector<double> rms(hypotheses.size());
   const auto settle = [&](Hypothesis& h) {
-    const auto refined = refine_on_field(models[h.part].field, h.camera_from_model, target.points, centre,
-                                         {.start_scale_mm = std::max(0.02 * models[h.part].diameter_mm, target.noise_mm),
-                                          .end_scale_mm = std::max(0.005 * models[h.part].diameter_mm, target.noise_mm),
-                                          .max_iterations = 8});
+    const PartModel& model = models[h.part];
+    const double end_mm = std::max(0.005 * model.diameter_mm, target.noise_mm);
+    FieldRefinementOptions settling{.start_scale_mm = std::max(0.02 * model.diameter_mm, target.noise_mm),
+                                    .end_scale_mm = end_mm,
+                                    .max_iterations = 6};
+    h.camera_from_model =
+        refine_on_field(model.field, h.camera_from_model, probes, centre, settling).camera_from_model;
+    settling = {.start_scale_mm = end_mm, .end_scale_mm = end_mm, .max_iterations = 2};
+    const auto refined = refine_on_field(model.field, h.camera_from_model, target.points, centre, settling);
     h.camera_from_model = refined.camera_from_model;
     return refined.rms_mm;
   };
@@ -450,8 +469,8 @@ void Engine::Impl::verify(std::vector<Hypothesis> hypotheses, Target& target) co
       more.back().camera_from_model = hypotheses[i].camera_from_model * partner;
     }
   parallel_for(more.size(), [&](std::size_t i) {
-    settle(more[i]);
-    more[i].cost = -compare(more[i]).score();
+    // Far from fitting, it need not be rendered.
+    more[i].cost = settle(more[i]) < 3 * target.noise_mm ? -compare(more[i]).score() : 0;
   });
   hypotheses.insert(hypotheses.end(), more.begin(), more.end());
   sort_by_cost(hypotheses);

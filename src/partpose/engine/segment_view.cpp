@@ -22,8 +22,7 @@ LabelledDepth neighbourhood(const DepthImage& depth, const Intrinsics& camera, c
   }
   const double pixels_per_mm = std::max(camera.fx, camera.fy) * static_cast<double>(segment.pixels.size()) / z_sum;
   const int margin = 3 + static_cast<int>(std::min(margin_mm * pixels_per_mm, 2.0 * (depth.width + depth.height)));
-  u0 = std::max(u0 - margin, 0), v0 = std::max(v0 - margin, 0);
-  u1 = std::min(u1 + margin, depth.width - 1), v1 = std::min(v1 + margin, depth.height - 1);
+  u0 -= margin, v0 -= margin, u1 += margin, v1 += margin;  // beyond the frame nothing is known, as in a hole
   const int stride = std::max(1, static_cast<int>(std::lround(std::sqrt(
                                      static_cast<double>(segment.pixels.size()) / std::max(wanted_pixels, 1)))));
   out.camera.width = (u1 - u0) / stride + 1;
@@ -36,7 +35,9 @@ LabelledDepth neighbourhood(const DepthImage& depth, const Intrinsics& camera, c
   out.label.assign(out.depth.z_mm.size(), PixelLabel::nothing);
   for (int v = 0; v < out.depth.height; ++v) {
     for (int u = 0; u < out.depth.width; ++u) {
-      const float z = depth.at(u0 + u * stride, v0 + v * stride);
+      const int full_u = u0 + u * stride, full_v = v0 + v * stride;
+      if (full_u < 0 || full_v < 0 || full_u >= depth.width || full_v >= depth.height) continue;
+      const float z = depth.at(full_u, full_v);
       if (!(z > 0)) continue;
       out.depth.at(u, v) = z;
       out.label[static_cast<std::size_t>(v) * out.depth.width + u] = PixelLabel::background;
