@@ -79,12 +79,13 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
             ++out.nothing;
             agree = std::max(agree, 0.4);
             out.log_likelihood += std::max(log_hole, by_neighbour);
-          } else if (model_z < measured_z - 3 * sensor.noise_mm) {
+          } else if (model_z < measured_z - 6 * sensor.noise_mm) {
             ++out.free_space;
             out.log_likelihood += std::max(log_outlier, by_neighbour);
-          } else if (model_z < measured_z + 3 * sensor.noise_mm) {
-            agree = std::max(agree, 0.6);  // measured, but cut off from the object
-            out.log_likelihood += std::max(0.0, by_neighbour);
+          } else if (model_z < measured_z + 6 * sensor.noise_mm) {
+            // Measured, but cut off from the object, as what lies low on a table is.
+            agree = std::max(agree, 0.7 * agreement(0.5 * (model_z - measured_z)));
+            out.log_likelihood += std::max(std::min(0.0, log_density(0.5 * (model_z - measured_z))), by_neighbour);
           } else {
             ++out.hidden;
             agree = std::max(agree, 0.35);
