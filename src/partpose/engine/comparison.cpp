@@ -100,8 +100,9 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
         const double agree = agreement(difference.near);
         out.unexplained += agree <= 0;
         out.soft += agree;
-        out.log_likelihood += model ? log_match + std::max(log_density(difference.here), log_edge + log_density(difference.near))
-                                    : std::max(log_outlier, log_edge + std::min(0.0, log_density(difference.near)));
+        out.log_likelihood +=
+            model ? log_match + std::max(log_density(difference.here), log_edge + log_density(difference.near))
+                  : std::max(log_outlier, log_edge + std::min(0.0, log_density(difference.near)));
         out.best_log_likelihood += log_match + log_density(0);
       }
     }

@@ -10,8 +10,8 @@
 
 namespace partpose {
 
-/// What a part looks like from one side in 16 x 16 cells of a fixed size in mm, seen along the line of sight through the
-/// centroid of what is visible: 8-bit depth relative to that centroid. Row by row.
+/// What a part looks like from one side in 16 x 16 cells of a fixed size in mm, seen along the line of sight through
+/// the centroid of what is visible: 8-bit depth relative to that centroid. Row by row.
 struct DepthTemplate {
   static constexpr int side = 16;
   static constexpr int cells = side * side;

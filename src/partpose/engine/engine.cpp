@@ -15,7 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -30,7 +30,7 @@ constexpr int rolls = 24;
 struct Hypothesis {
   int part = -1, view = -1;
   double cost = 0;
-  double template_cost = 0;  ///< mean difference of the template's cells, in caps
+  double template_cost = 0;                                 ///< mean difference of the template's cells, in caps
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< by the template
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
 };
@@ -46,9 +46,7 @@ struct Target {
   std::vector<Candidate> candidates;   ///< best first
   double best_score = 0;
 
-  double evidence() const {
-    return std::pow(best_score, 6) * std::sqrt(static_cast<double>(segment->pixels.size()));
-  }
+  double evidence() const { return std::pow(best_score, 6) * std::sqrt(static_cast<double>(segment->pixels.size())); }
 };
 
 std::vector<Eigen::Vector3f> spread(const std::vector<Eigen::Vector3f>& points, int count) {
@@ -107,7 +105,8 @@ DepthImage object_depth(const LabelledDepth& frame) {
 }
 
 /// The box of pixels that the object and the part at its pose cover.
-LabelledDepth about_part(const LabelledDepth& frame, const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model) {
+LabelledDepth about_part(const LabelledDepth& frame, const TriangleMesh& mesh,
+                         const Eigen::Isometry3d& camera_from_model) {
   double u0 = 1e9, u1 = -1e9, v0 = 1e9, v1 = -1e9;
   const Eigen::AlignedBox3d box = bounding_box(mesh);
   for (int k = 0; k < 8; ++k) {
@@ -154,6 +153,7 @@ struct Engine::Impl {
     return {.noise_mm = target.noise_mm, .size_mm = models[part].diameter_mm};
   }
   Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
+  std::vector<Detection> detections(const std::vector<Target>& targets) const;
   int part_of(const Candidate& candidate) const { return catalogue.views[candidate.view_row].part; }
 };
 
@@ -162,6 +162,10 @@ Engine::Engine(Catalogue catalogue, EngineOptions options) : impl_(std::make_uni
   impl_->catalogue = std::move(catalogue);
   impl_->options = options;
   const auto& parts = impl_->catalogue.parts;
+  std::vector<bool> has_view(parts.size(), false);
+  for (const auto& view : impl_->catalogue.views) has_view[view.part] = true;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (!has_view[i]) throw Error("part {}: the catalogue has no view of it", parts[i].name);
   std::vector<std::optional<PartModel>> models(parts.size());
   parallel_for(parts.size(), [&](std::size_t i) { models[i].emplace(parts[i].mesh, diameter(parts[i].mesh)); });
   impl_->segmentation.largest_part_mm = 0;
@@ -212,6 +216,11 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   });
   if (segments.empty()) {
     r.reason = "nothing of a part's size stands out from the table or the background";
+    float farthest_mm = 0;
+    for (const float z : depth.z_mm) farthest_mm = std::max(farthest_mm, z);
+    constexpr float nearest_camera_mm = 20;
+    if (farthest_mm > 0 && farthest_mm < nearest_camera_mm)
+      r.reason += fmt::format("; its farthest point is {:.3g} mm away: is it in metres?", farthest_mm);
     return r;
   }
   std::vector<Target> targets;
@@ -233,25 +242,17 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   }
   // A closer look at the objects that a part explains best.
   constexpr std::size_t most_verified = 6;
-  std::stable_sort(targets.begin(), targets.end(), [](const Target& a, const Target& b) {
-    return a.hypotheses[0].cost < b.hypotheses[0].cost;
-  });
+  std::stable_sort(targets.begin(), targets.end(),
+                   [](const Target& a, const Target& b) { return a.hypotheses[0].cost < b.hypotheses[0].cost; });
   if (targets.size() > most_verified) targets.resize(most_verified);
   time("verify", [&] {
     for (auto& target : targets) impl_->verify(target);
   });
   const auto by_evidence = [](const Target& a, const Target& b) { return a.evidence() > b.evidence(); };
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
-  if (std::getenv("ENGINE_DEBUG"))
-    for (const auto& t : targets) {
-      fmt::print("before target px {} whole {} noise {:.2f} evidence {:.3f} centre {:.0f} {:.0f} {:.0f} coarse {}x{} points {}\n", t.segment->pixels.size(), t.segment->whole_frame, t.noise_mm, t.evidence(), t.centre.x(), t.centre.y(), t.centre.z(), t.coarse.depth.width, t.coarse.depth.height, t.points.size());
-      for (std::size_t i = 0; i < std::min<std::size_t>(t.candidates.size(), 4); ++i) {
-        const auto& c = t.candidates[i];
-        fmt::print("   {} score {:.3f} rms {:.2f} t {:.0f} {:.0f} {:.0f}\n", impl_->catalogue.parts[impl_->part_of(c)].name, c.score, c.icp_fitness, c.camera_from_model.translation().x(), c.camera_from_model.translation().y(), c.camera_from_model.translation().z());
-      }
-    }
   time("decision", [&] {
-    while (!targets.empty() && targets.back().evidence() < 0.2 * targets.front().evidence()) targets.pop_back();
+    // Objects that a part hardly explains need no closer look.
+    while (!targets.empty() && targets.back().evidence() < 0.1 * targets.front().evidence()) targets.pop_back();
     // What the likeliest object's best fit leaves is the frame's noise; what others leave beyond that speaks against
     // them. By the square law of triangulation it grows with the distance.
     double noise_per_mm2 = 0;
@@ -264,18 +265,11 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     }
     std::stable_sort(targets.begin(), targets.end(), by_evidence);
   });
-  if (std::getenv("ENGINE_DEBUG"))
-    for (const auto& t : targets) {
-      fmt::print("after target px {} whole {} noise {:.2f} evidence {:.3f} centre {:.0f} {:.0f} {:.0f} coarse {}x{} points {}\n", t.segment->pixels.size(), t.segment->whole_frame, t.noise_mm, t.evidence(), t.centre.x(), t.centre.y(), t.centre.z(), t.coarse.depth.width, t.coarse.depth.height, t.points.size());
-      for (std::size_t i = 0; i < std::min<std::size_t>(t.candidates.size(), 4); ++i) {
-        const auto& c = t.candidates[i];
-        fmt::print("   {} score {:.3f} rms {:.2f} t {:.0f} {:.0f} {:.0f}\n", impl_->catalogue.parts[impl_->part_of(c)].name, c.score, c.icp_fitness, c.camera_from_model.translation().x(), c.camera_from_model.translation().y(), c.camera_from_model.translation().z());
-      }
-    }
   if (targets.empty()) {
     r.reason = "no segment has enough points";
     return r;
   }
+  r.detections = impl_->detections(targets);
   r.candidates = std::move(targets[0].candidates);
   const Candidate& best = r.candidates[0];
   if (best.score < impl_->options.min_score) {
@@ -288,6 +282,26 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     r.result.timestamp = timestamp;
   }
   return r;
+}
+
+/// The best candidate of each object, those that share pixels with a likelier one left out.
+std::vector<Detection> Engine::Impl::detections(const std::vector<Target>& targets) const {
+  std::vector<Detection> out;
+  std::vector<int> taken;  // pixels, rising
+  for (const auto& target : targets) {
+    const Candidate& best = target.candidates[0];
+    if (best.score < options.min_score) continue;
+    std::vector<int> shared;
+    std::set_intersection(taken.begin(), taken.end(), target.segment->pixels.begin(), target.segment->pixels.end(),
+                          std::back_inserter(shared));
+    if (!shared.empty()) continue;
+    std::vector<int> both;
+    std::set_union(taken.begin(), taken.end(), target.segment->pixels.begin(), target.segment->pixels.end(),
+                   std::back_inserter(both));
+    taken = std::move(both);
+    out.push_back({part_of(best), best.camera_from_model, best.score});
+  }
+  return out;
 }
 
 Target Engine::Impl::target_of(const DepthImage& depth, const Intrinsics& camera, const Segment& segment) const {
@@ -383,9 +397,15 @@ double Engine::Impl::two_way_cost(const Hypothesis& hypothesis, double forward, 
     }
     const double before_mm = frame.depth.at(u, v) - q.z();
     switch (frame.label[static_cast<std::size_t>(v) * frame.depth.width + u]) {
-      case PixelLabel::object: reverse += std::min(std::abs(before_mm) / tolerance_mm, 1.0); break;
-      case PixelLabel::background: reverse += before_mm > tolerance_mm ? 1.0 : 0.4; break;
-      case PixelLabel::nothing: reverse += 0.5; break;
+      case PixelLabel::object:
+        reverse += std::min(std::abs(before_mm) / tolerance_mm, 1.0);
+        break;
+      case PixelLabel::background:
+        reverse += before_mm > tolerance_mm ? 1.0 : 0.4;
+        break;
+      case PixelLabel::nothing:
+        reverse += 0.5;
+        break;
     }
   }
   return forward + reverse / static_cast<double>(std::max<std::size_t>(visible.size(), 1));
@@ -441,8 +461,7 @@ void Engine::Impl::verify(Target& target) const {
     FieldRefinementOptions settling{.start_scale_mm = std::max(0.02 * model.diameter_mm, target.noise_mm),
                                     .end_scale_mm = end_mm,
                                     .max_iterations = 6};
-    h.camera_from_model =
-        refine_on_field(model.field, h.camera_from_model, probes, centre, settling).camera_from_model;
+    h.camera_from_model = refine_on_field(model.field, h.camera_from_model, probes, centre, settling).camera_from_model;
     settling = {.start_scale_mm = end_mm, .end_scale_mm = end_mm, .max_iterations = 2};
     const auto refined = refine_on_field(model.field, h.camera_from_model, target.points, centre, settling);
     h.camera_from_model = refined.camera_from_model;
@@ -521,9 +540,8 @@ void Engine::Impl::decide(Target& target) const {
   parallel_for(contenders, [&](std::size_t i) {
     const int part = part_of(candidates[i]);
     const TriangleMesh& mesh = catalogue.parts[part].mesh;
-    comparison[i] =
-        compare_depth(mesh, candidates[i].camera_from_model, about_part(target.fine, mesh, candidates[i].camera_from_model),
-                      sensor(target, part));
+    comparison[i] = compare_depth(mesh, candidates[i].camera_from_model,
+                                  about_part(target.fine, mesh, candidates[i].camera_from_model), sensor(target, part));
     candidates[i].score = static_cast<float>(comparison[i].score());
   });
   std::vector<std::pair<double, std::size_t>> order;

@@ -11,7 +11,7 @@ namespace partpose {
 
 /// What the Engine may be told; the defaults are meant for all parts and cameras.
 struct EngineOptions {
-  float min_score = 0.64f;  ///< a candidate that agrees less with the frame is not believed, 0 to 1
+  float min_score = 0.6f;  ///< a candidate that agrees less with the frame is not believed, 0 to 1
 
   void check() const;
 };

@@ -23,9 +23,9 @@ struct FieldRefinement {
   double mean_capped = 0;  ///< mean of the distances, none counted for more than three end scales, in end scales
 };
 
-/// Moves a part so that measured points (camera frame) lie on its surface: Gauss-Newton on the distances to it (Fitzgibbon
-/// 2003) about the points' centre, with Geman and McClure's weights (1987) whose scale falls from `start_scale_mm` to
-/// `end_scale_mm`. `centre_mm`: about the middle of the points.
+/// Moves a part so that measured points (camera frame) lie on its surface: Gauss-Newton on the distances to it
+/// (Fitzgibbon 2003) about the points' centre, with Geman and McClure's weights (1987) whose scale falls from
+/// `start_scale_mm` to `end_scale_mm`. `centre_mm`: about the middle of the points.
 FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry3d& camera_from_model,
                                 std::span<const Eigen::Vector3f> points_mm, const Eigen::Vector3f& centre_mm,
                                 const FieldRefinementOptions& options);

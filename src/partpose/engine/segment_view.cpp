@@ -23,8 +23,8 @@ LabelledDepth neighbourhood(const DepthImage& depth, const Intrinsics& camera, c
   const double pixels_per_mm = std::max(camera.fx, camera.fy) * static_cast<double>(segment.pixels.size()) / z_sum;
   const int margin = 3 + static_cast<int>(std::min(margin_mm * pixels_per_mm, 2.0 * (depth.width + depth.height)));
   u0 -= margin, v0 -= margin, u1 += margin, v1 += margin;  // beyond the frame nothing is known, as in a hole
-  const int stride = std::max(1, static_cast<int>(std::lround(std::sqrt(
-                                     static_cast<double>(segment.pixels.size()) / std::max(wanted_pixels, 1)))));
+  const int stride = std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(segment.pixels.size()) /
+                                                                        std::max(wanted_pixels, 1)))));
   out.camera.width = (u1 - u0) / stride + 1;
   out.camera.height = (v1 - v0) / stride + 1;
   out.camera.fx = camera.fx / stride;

@@ -12,9 +12,9 @@
 namespace partpose {
 
 /// Where a part's surface is nearest, from any place in or around it, in constant time: a grid whose nodes name the
-/// nearest triangle, and the nearest of the triangles turned the other way. The distance itself is that to the triangle,
-/// exact, so the grid may be coarse; and the second triangle tells the two sides of a wall that is thinner than a cell.
-/// Immutable and thread-safe.
+/// nearest triangle, and the nearest of the triangles turned the other way. The distance itself is that to the
+/// triangle, exact, so the grid may be coarse; and the second triangle tells the two sides of a wall that is thinner
+/// than a cell. Immutable and thread-safe.
 class SurfaceField {
  public:
   struct Nearest {
@@ -28,9 +28,7 @@ class SurfaceField {
   /// The place on the surface nearest to `query_mm` (model frame), on a side that faces `to_camera` where there is one.
   Nearest nearest(const Eigen::Vector3f& query_mm, const Eigen::Vector3f& to_camera) const;
 
-  std::size_t memory_bytes() const {
-    return nodes_.size() * sizeof(Node) + triangles_.size() * sizeof(Triangle);
-  }
+  std::size_t memory_bytes() const { return nodes_.size() * sizeof(Node) + triangles_.size() * sizeof(Triangle); }
 
  private:
   struct Triangle {
@@ -43,9 +41,7 @@ class SurfaceField {
   struct Build;
 
   static Eigen::Vector3f from_triangle(const Triangle& t, const Eigen::Vector3f& query_mm);
-  std::size_t index(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * size_.y() + y) * size_.x() + x;
-  }
+  std::size_t index(int x, int y, int z) const { return (static_cast<std::size_t>(z) * size_.y() + y) * size_.x() + x; }
   Eigen::Vector3f position(int x, int y, int z) const {
     return low_ + cell_mm_ * Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
   }
