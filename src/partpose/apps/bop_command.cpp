@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include <memory>
+#include <optional>
 #include <set>
 
 namespace partpose::apps {
@@ -26,7 +27,7 @@ struct BopRecognizeArguments {
   fs::path dataset, output, cache;
   std::string split = "test";
   std::string recognizer = "recognizer";
-  float min_score = RecognizerOptions{}.min_score;
+  std::optional<float> min_score;
 };
 
 struct BopScoreArguments {
@@ -45,16 +46,19 @@ std::size_t images_of(const BopDataset& dataset) {
 void recognize(const BopRecognizeArguments& arguments, const Common& common) {
   const BopDataset dataset = read_bop_dataset(arguments.dataset, arguments.split);
   RecognizerOptions options;
-  options.min_score = arguments.min_score;
+  EngineOptions engine_options;
+  options.min_score = arguments.min_score.value_or(options.min_score);
+  engine_options.min_score = arguments.min_score.value_or(engine_options.min_score);
   const auto progress = terminal_progress(common.quiet);
   Catalogue catalogue =
       bop_catalogue(dataset, arguments.cache.empty() ? default_cache_folder() : arguments.cache, progress);
   std::unique_ptr<PartRecognizer> recognizer;
   if (arguments.recognizer == "engine")
-    recognizer = std::make_unique<Engine>(std::move(catalogue));
+    recognizer = std::make_unique<Engine>(std::move(catalogue), engine_options);
   else
     recognizer = std::make_unique<Recognizer>(std::move(catalogue), options);
-  const auto estimates = recognize_bop(dataset, *recognizer, options.min_score, progress);
+  const auto estimates = recognize_bop(
+      dataset, *recognizer, arguments.recognizer == "engine" ? engine_options.min_score : options.min_score, progress);
   write_bop_results(arguments.output, estimates);
   if (common.quiet) return;
   int wanted = 0;
@@ -149,9 +153,8 @@ void add_bop_commands(CLI::App& app, const Common& common) {
       ->add_option("-o,--output", recognize_arguments->output,
                    "Results file; the toolkit wants METHOD_DATASET-SPLIT.csv, without _ in METHOD")
       ->required();
-  recognize_command
-      ->add_option("--min-score", recognize_arguments->min_score, "A candidate below is not believed, 0 to 1")
-      ->capture_default_str();
+  recognize_command->add_option("--min-score", recognize_arguments->min_score,
+                                "A candidate below is not believed, 0 to 1 (default: the recognizer's own)");
   recognize_command
       ->add_option("--recognizer", recognize_arguments->recognizer, "What recognizes the parts: recognizer or engine")
       ->check(CLI::IsMember({"recognizer", "engine"}))
