@@ -5,6 +5,7 @@
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
+#include "partpose/engine/engine.hpp"
 #include "partpose/evaluation/bop_recognition.hpp"
 #include "partpose/evaluation/bop_score.hpp"
 #include "partpose/io/json.hpp"
@@ -13,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include <memory>
+#include <optional>
 #include <set>
 
 namespace partpose::apps {
@@ -24,7 +26,8 @@ namespace fs = std::filesystem;
 struct BopRecognizeArguments {
   fs::path dataset, output, cache;
   std::string split = "test";
-  float min_score = RecognizerOptions{}.min_score;
+  std::string recognizer = "recognizer";
+  std::optional<float> min_score;
 };
 
 struct BopScoreArguments {
@@ -43,11 +46,19 @@ std::size_t images_of(const BopDataset& dataset) {
 void recognize(const BopRecognizeArguments& arguments, const Common& common) {
   const BopDataset dataset = read_bop_dataset(arguments.dataset, arguments.split);
   RecognizerOptions options;
-  options.min_score = arguments.min_score;
+  EngineOptions engine_options;
+  options.min_score = arguments.min_score.value_or(options.min_score);
+  engine_options.min_score = arguments.min_score.value_or(engine_options.min_score);
   const auto progress = terminal_progress(common.quiet);
-  const Recognizer recognizer(
-      bop_catalogue(dataset, arguments.cache.empty() ? default_cache_folder() : arguments.cache, progress), options);
-  const auto estimates = recognize_bop(dataset, recognizer, options.min_score, progress);
+  Catalogue catalogue =
+      bop_catalogue(dataset, arguments.cache.empty() ? default_cache_folder() : arguments.cache, progress);
+  std::unique_ptr<PartRecognizer> recognizer;
+  if (arguments.recognizer == "engine")
+    recognizer = std::make_unique<Engine>(std::move(catalogue), engine_options);
+  else
+    recognizer = std::make_unique<Recognizer>(std::move(catalogue), options);
+  const auto estimates = recognize_bop(
+      dataset, *recognizer, arguments.recognizer == "engine" ? engine_options.min_score : options.min_score, progress);
   write_bop_results(arguments.output, estimates);
   if (common.quiet) return;
   int wanted = 0;
@@ -142,8 +153,11 @@ void add_bop_commands(CLI::App& app, const Common& common) {
       ->add_option("-o,--output", recognize_arguments->output,
                    "Results file; the toolkit wants METHOD_DATASET-SPLIT.csv, without _ in METHOD")
       ->required();
+  recognize_command->add_option("--min-score", recognize_arguments->min_score,
+                                "A candidate below is not believed, 0 to 1 (default: the recognizer's own)");
   recognize_command
-      ->add_option("--min-score", recognize_arguments->min_score, "A candidate below is not believed, 0 to 1")
+      ->add_option("--recognizer", recognize_arguments->recognizer, "What recognizes the parts: recognizer or engine")
+      ->check(CLI::IsMember({"recognizer", "engine"}))
       ->capture_default_str();
   recognize_command->add_option("--cache", recognize_arguments->cache,
                                 "Where catalogues of the models are kept (default: ~/.cache/partpose)");

@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "parts.hpp"
 #include "output.hpp"
+#include "parts.hpp"
 #include "recognition_output.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/text.hpp"
+#include "partpose/engine/engine.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/io/png.hpp"
@@ -31,6 +32,7 @@ namespace fs = std::filesystem;
 struct CapturedArguments {
   fs::path set, models, cache, jsonl, output, pictures;
   std::vector<std::string> kinds;
+  std::string recognizer = "recognizer";
   double limit_deg = 15;
   double limit_mm = 15;
 };
@@ -102,12 +104,19 @@ void check_models_are_known(const CapturedSet& set, const Catalogue& catalogue) 
                   nearest_word(scene.model_name, names));
 }
 
+std::unique_ptr<PartRecognizer> make_recognizer(const std::string& name, Catalogue catalogue) {
+  if (name == "engine") return std::make_unique<Engine>(std::move(catalogue));
+  return std::make_unique<Recognizer>(std::move(catalogue));
+}
+
 void evaluate_captured(const CapturedArguments& arguments, const Common& common) {
   const CapturedSet set = read_captured_set(arguments.set);
-  const Recognizer recognizer(cached_catalogue(
-      read_parts({arguments.models.empty() ? arguments.set / "models" : arguments.models}, {}, common), DatasetPreparationConfig{},
-      Recognizer::catalogue_config(), arguments.cache.empty() ? default_cache_folder() : arguments.cache,
-      terminal_progress(common.quiet)));
+  Catalogue catalogue = cached_catalogue(
+      read_parts({arguments.models.empty() ? arguments.set / "models" : arguments.models}, {}, common),
+      DatasetPreparationConfig{}, Recognizer::catalogue_config(),
+      arguments.cache.empty() ? default_cache_folder() : arguments.cache, terminal_progress(common.quiet));
+  const std::unique_ptr<PartRecognizer> chosen = make_recognizer(arguments.recognizer, std::move(catalogue));
+  const PartRecognizer& recognizer = *chosen;
   std::optional<std::ofstream> jsonl;
   if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
   if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
@@ -161,6 +170,9 @@ void add_captured_command(CLI::App& app, const Common& common) {
       "Write an iteration output folder for each scene here, with evaluation.json in it (partpose report)");
   captured->add_option("--pictures", arguments->pictures,
                        "Write a picture of each scene with the part drawn over it here");
+  captured->add_option("--recognizer", arguments->recognizer, "What recognizes the parts: recognizer or engine")
+      ->check(CLI::IsMember({"recognizer", "engine"}))
+      ->capture_default_str();
   captured->add_option("--cache", arguments->cache, "Where catalogues are kept (default: ~/.cache/partpose)");
   captured->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")
       ->capture_default_str();

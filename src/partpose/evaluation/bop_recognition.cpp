@@ -38,6 +38,13 @@ class TemporaryFolder {
   fs::path path_;
 };
 
+Scene scene_of(const DepthImage& depth, const Intrinsics& camera) {
+  Scene scene;
+  scene.depth = depth;
+  scene.intrinsics = camera;
+  return scene;
+}
+
 /// Makes that part of the image empty which the mesh explains; returns how many pixels.
 int take_out(DepthImage& depth, const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
              const Intrinsics& camera) {
@@ -72,7 +79,7 @@ Catalogue bop_catalogue(const BopDataset& dataset, const fs::path& cache_folder,
   return cached_catalogue(paths, DatasetPreparationConfig{}, Recognizer::catalogue_config(), cache_folder, progress);
 }
 
-std::vector<BopEstimate> recognize_bop_image(const Recognizer& recognizer, const DepthImage& depth,
+std::vector<BopEstimate> recognize_bop_image(const PartRecognizer& recognizer, const DepthImage& depth,
                                              const Intrinsics& camera, std::map<int, int> wanted, float min_score) {
   const Stopwatch stopwatch;
   const Catalogue& catalogue = recognizer.catalogue();
@@ -86,7 +93,7 @@ std::vector<BopEstimate> recognize_bop_image(const Recognizer& recognizer, const
   std::vector<BopEstimate> estimates;
   // What is recognized but not wanted is taken out as well; that, too, happens only so often.
   for (int tries = 2 * missing; tries > 0 && missing > 0; --tries) {
-    const Recognition recognition = recognizer.recognize(left, camera);
+    const Recognition recognition = recognizer.recognize(scene_of(left, camera));
     if (recognition.accepted < 0) break;
     const Candidate* found = &recognition.candidates[recognition.accepted];
     for (const auto& candidate : recognition.candidates) {
@@ -108,7 +115,7 @@ std::vector<BopEstimate> recognize_bop_image(const Recognizer& recognizer, const
   return estimates;
 }
 
-std::vector<BopEstimate> recognize_bop(const BopDataset& dataset, const Recognizer& recognizer, float min_score,
+std::vector<BopEstimate> recognize_bop(const BopDataset& dataset, const PartRecognizer& recognizer, float min_score,
                                        const Progress& progress) {
   std::map<std::pair<int, int>, std::map<int, int>> wanted_in;
   for (const auto& t : dataset.targets) wanted_in[{t.scene_id, t.im_id}][t.obj_id] = t.inst_count;

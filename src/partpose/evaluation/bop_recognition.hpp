@@ -20,12 +20,12 @@ Catalogue bop_catalogue(const BopDataset& dataset, const std::filesystem::path& 
 /// The instances that are wanted, by obj_id, in one depth image: the best object is recognized, what it explains of the
 /// image is taken out, and again, until all are found or nothing is recognized. Of a segment's candidates the first
 /// that is wanted counts. `time_s` is the time of the whole.
-std::vector<BopEstimate> recognize_bop_image(const Recognizer& recognizer, const DepthImage& depth,
+std::vector<BopEstimate> recognize_bop_image(const PartRecognizer& recognizer, const DepthImage& depth,
                                              const Intrinsics& camera, std::map<int, int> wanted, float min_score);
 
 /// The estimates of all targets' images, one image after the other. Throws Error when a depth image is missing or a
 /// camera has skew.
-std::vector<BopEstimate> recognize_bop(const BopDataset& dataset, const Recognizer& recognizer, float min_score,
+std::vector<BopEstimate> recognize_bop(const BopDataset& dataset, const PartRecognizer& recognizer, float min_score,
                                        const Progress& progress = {});
 
 }  // namespace partpose

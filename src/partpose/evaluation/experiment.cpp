@@ -5,6 +5,7 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/hash.hpp"
 #include "partpose/core/parallel.hpp"
+#include "partpose/engine/engine.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/evaluation/experiment_tables.hpp"
@@ -315,6 +316,8 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
     config.check();
   }
   const auto make = [&](Catalogue catalogue) -> std::unique_ptr<PartRecognizer> {
+    if (configuration.pipeline.empty() && configuration.recognizer == "engine")
+      return std::make_unique<Engine>(std::move(catalogue));
     if (configuration.pipeline.empty()) return std::make_unique<Recognizer>(std::move(catalogue));
     return std::make_unique<GlobalPipeline>(std::move(catalogue), config);
   };
@@ -421,6 +424,8 @@ void ExperimentProtocol::check() const {
 
 void ExperimentConfiguration::check() const {
   if (name.empty()) throw Error("name: must not be empty");
+  if (recognizer != "recognizer" && recognizer != "engine")
+    throw Error("recognizer \"{}\": must be \"recognizer\" or \"engine\"", recognizer);
 }
 
 void ExperimentSpec::check() const {

@@ -56,11 +56,13 @@ struct ExperimentProtocol {
 struct ExperimentConfiguration {
   std::string name;
   std::string pipeline;
+  std::string recognizer = "recognizer";
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("name", self.name, "names the configuration in the tables");
-    visit("pipeline", self.pipeline, "pipeline configuration (JSON); empty: the Recognizer, with nothing configured");
+    visit("recognizer", self.recognizer, "where nothing is configured: \"recognizer\" or \"engine\"");
+    visit("pipeline", self.pipeline, "pipeline configuration (JSON); empty: nothing is configured");
   }
   void check() const;
 };

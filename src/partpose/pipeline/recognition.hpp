@@ -29,11 +29,19 @@ struct Candidate {
   bool verified = false;  ///< false: a better candidate was accepted before this one's turn
 };
 
+/// A part found in a frame.
+struct Detection {
+  int part = -1;  ///< index into Catalogue::parts
+  Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
+  float score = -1;  ///< 0 to 1, as of a Candidate
+};
+
 /// What happened to one scene: the one record behind everything that shows results.
 struct Recognition {
   Result result;
   std::vector<Candidate> candidates;  ///< in the order of the verification
   int accepted = -1;                  ///< index into candidates
+  std::vector<Detection> detections;  ///< all objects that were recognized, the result first; of the Engine only
   PointCloud preprocessed;            ///< camera frame
   PointCloud with_normals;            ///< camera frame
   PointCloud refinement_scene;        ///< camera frame

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/engine/comparison.hpp"
+
+#include "partpose/camera/rasterizer.hpp"
+#include "tests/shapes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace partpose {
+namespace {
+
+/// A box of 60 x 40 x 20 mm, its face 490 mm before the camera, on a table at 510 mm.
+class Comparison : public testing::Test {
+ protected:
+  Comparison() {
+    pose.translation() = Eigen::Vector3d(0, 0, 500);
+    frame.camera = {.width = 120, .height = 100, .fx = 500, .fy = 500, .cx = 59.5, .cy = 49.5};
+    frame.depth = render(mesh, pose, frame.camera).depth;
+    for (float& z : frame.depth.z_mm) {
+      frame.label.push_back(z > 0 ? PixelLabel::object : PixelLabel::background);
+      if (!(z > 0)) z = 510;
+    }
+  }
+  DepthComparison at(double x, double z) const {
+    Eigen::Isometry3d moved = pose;
+    moved.translation() += Eigen::Vector3d(x, 0, z);
+    return compare_depth(mesh, moved, frame, {.noise_mm = 0.5});
+  }
+  TriangleMesh mesh = shapes::box(Eigen::Vector3f(60, 40, 20));
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  LabelledDepth frame;
+};
+
+TEST_F(Comparison, TheTruthExplainsAll) {
+  const DepthComparison c = at(0, 0);
+  EXPECT_NEAR(c.score(), 1, 1e-9);
+  EXPECT_EQ(c.model, c.object);
+  EXPECT_EQ(c.explained, c.model);
+  EXPECT_EQ(c.unexplained + c.free_space + c.hidden + c.nothing, 0);
+  EXPECT_NEAR(c.log_likelihood, c.best_log_likelihood, 1e-6);
+}
+
+TEST_F(Comparison, CountsBothDirections) {
+  const DepthComparison aside = at(12, 0);  // 12 mm are about 12 columns
+  EXPECT_GT(aside.free_space, 400);
+  EXPECT_GT(aside.unexplained, 300);
+  EXPECT_LT(aside.score(), at(0, 0).score() - 0.15);
+  EXPECT_LT(aside.log_likelihood, at(0, 0).log_likelihood);
+}
+
+TEST_F(Comparison, BeyondTheNoiseNothingIsExplained) {
+  EXPECT_GT(at(0, 0.5).score(), 0.85);
+  EXPECT_EQ(at(0, -2).explained, 0);
+  EXPECT_LT(at(0, -2).score(), 0.01);
+}
+
+TEST_F(Comparison, HolesCostLessThanFreeSpace) {
+  const double before = at(12, 0).score();
+  for (std::size_t p = 0; p < frame.label.size(); ++p)
+    if (frame.label[p] == PixelLabel::background) frame.label[p] = PixelLabel::nothing, frame.depth.z_mm[p] = 0;
+  EXPECT_GT(at(12, 0).nothing, 400);
+  EXPECT_GT(at(12, 0).score(), before + 0.02);
+}
+
+}  // namespace
+}  // namespace partpose

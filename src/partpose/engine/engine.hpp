@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/pipeline/recognition.hpp"
+#include "partpose/preprocess/segmentation.hpp"
+
+#include <memory>
+
+namespace partpose {
+
+/// What the Engine may be told; the defaults are meant for all parts and cameras.
+struct EngineOptions {
+  float min_score = 0.6f;  ///< a candidate that agrees less with the frame is not believed, 0 to 1
+
+  void check() const;
+};
+
+/// Recognizes parts by their shape alone, within a camera's frame time: the frame's objects are compared as small depth
+/// templates with every view of every part at every turn, the best are put onto the surface by its distance field, and
+/// rendering them decides, by the noise that the frame itself shows (docs/engine.md). Immutable after construction and
+/// thread-safe.
+class Engine final : public PartRecognizer {
+ public:
+  /// Of the catalogue only the parts' meshes are used, and its views to say from which side a part is seen.
+  explicit Engine(Catalogue catalogue, EngineOptions options = {});
+  ~Engine() override;
+
+  /// A full depth frame, or a part of one.
+  Recognition recognize(const DepthImage& depth, const Intrinsics& camera) const;
+  /// A cloud in mm, taken by a camera at the origin that looks along z: the part alone, or with the table in it.
+  Recognition recognize(const PointCloud& cloud) const;
+  /// The depth image where the scene has one, its cloud otherwise.
+  Recognition recognize(const Scene& scene) const override;
+
+  const Catalogue& catalogue() const override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace partpose

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/engine/surface_field.hpp"
+
+#include <Eigen/Geometry>
+
+#include <span>
+
+namespace partpose {
+
+struct FieldRefinementOptions {
+  double start_scale_mm = 10;  ///< distances much beyond this do not count, at first
+  double end_scale_mm = 1;     ///< and in the end: about the noise
+  int max_iterations = 10;
+  double converged_mm = 0.01;  ///< an iteration at the end scale that moves the points by less is the last
+};
+
+struct FieldRefinement {
+  Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
+  double rms_mm = 0;       ///< of the distances, robustly: weighted as in the last iteration
+  double mean_capped = 0;  ///< mean of the distances, none counted for more than three end scales, in end scales
+};
+
+/// Moves a part so that measured points (camera frame) lie on its surface: Gauss-Newton on the distances to it
+/// (Fitzgibbon 2003) about the points' centre, with Geman and McClure's weights (1987) whose scale falls from
+/// `start_scale_mm` to `end_scale_mm`. `centre_mm`: about the middle of the points.
+FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry3d& camera_from_model,
+                                std::span<const Eigen::Vector3f> points_mm, const Eigen::Vector3f& centre_mm,
+                                const FieldRefinementOptions& options);
+
+}  // namespace partpose
