@@ -31,7 +31,9 @@ TEST(DepthTemplate, HoldsTheDepthsOfItsCells) {
     for (int u = 0; u < DepthTemplate::side; ++u) {
       const double x = (u - 7.5) * scale.cell_mm, y = (v - 7.5) * scale.cell_mm;
       const int value = t.cell[v * DepthTemplate::side + u];
-      if (std::abs(x) > 35 || std::abs(y) > 15) EXPECT_EQ(value, DepthTemplate::background);
+      if (std::abs(x) > 35 || std::abs(y) > 15) {
+        EXPECT_EQ(value, DepthTemplate::background);
+      }
       if (std::abs(x) < 25 && std::abs(y) < 7) {
         EXPECT_NEAR((value - DepthTemplate::middle) * scale.depth_unit_mm, 0.5 * x, 0.8);
         ++covered;
