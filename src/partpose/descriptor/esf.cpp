@@ -412,8 +412,8 @@ std::vector<float> esf(const PointCloud& cloud, const EsfOptions& options) {
     for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, measured.values[i]);
     return largest;
   };
-  const Extent extent =
-      mean_extent({largest_of(lengths, 3 * drawn), largest_of(areas, drawn)}, shape, options.samples, random);
+  const Extent of_the_draw{largest_of(lengths, 3 * drawn), largest_of(areas, drawn)};
+  const Extent extent = options.steady_extent ? mean_extent(of_the_draw, shape, options.samples, random) : of_the_draw;
   const auto add = [&](const Measured& measured, std::size_t n, float largest, Part first_part) {
     const float scale = 1 / largest;
     for (std::size_t i = 0; i < n; ++i)

@@ -12,12 +12,15 @@ struct EsfOptions {
   int k_nn = 6;
   int samples = 20000;
   int seed = 1;
+  bool steady_extent = true;
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("k_nn", self.k_nn, "number of nearest neighbours, >= 1");
     visit("samples", self.samples, "triangles drawn from the points, 1 to 10000000");
     visit("seed", self.seed, "of the draws, >= 0");
+    visit("steady_extent", self.steady_extent,
+          "lengths and areas relative to the mean of the largest of five draws; false: to the draw's largest, as PCL");
   }
   void check() const;
 };

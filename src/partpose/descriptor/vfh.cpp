@@ -188,9 +188,14 @@ std::vector<float> vfh(const PointCloud& cloud, const VfhOptions& options) {
 
 std::vector<float> vfh_about(const Eigen::Vector3f& centre_mm, const Eigen::Vector3f& normal,
                              const OrientedPoints& points, const VfhOptions& options) {
-  Reference reference{centre_mm, normal, -centre_mm.normalized(), 0, 0};
+  // PCL's centroid has a fourth coordinate, 1, that two of its lengths take in.
+  const float leak = options.leak_as_pcl ? 1 : 0;
+  const float centre_length = std::sqrt(centre_mm.squaredNorm() + leak);
+  Reference reference{centre_mm, normal, centre_length > 0 ? Eigen::Vector3f(-centre_mm / centre_length) : -centre_mm,
+                      0, 0};
   if (options.use_normalized_distances) {
-    const float largest = largest_distance(points, centre_mm);
+    const float farthest = largest_distance(points, centre_mm);
+    const float largest = std::sqrt(farthest * farthest + leak);
     reference.distance_scale = largest > 0 ? 1 / largest : 0;
   } else {
     reference.distance_scale = 1 / (distance_step_mm * vfh_feature_bins);

@@ -13,6 +13,7 @@ struct VfhOptions {
   bool use_fill_size_component = true;
   bool use_normalized_bins = true;
   bool use_normalized_distances = true;
+  bool leak_as_pcl = false;
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
@@ -22,6 +23,8 @@ struct VfhOptions {
     visit("use_normalized_bins", self.use_normalized_bins, "bins in per cent of the points rather than in points");
     visit("use_normalized_distances", self.use_normalized_distances,
           "distances to the centroid relative to the largest; otherwise in steps of 10 mm");
+    visit("leak_as_pcl", self.leak_as_pcl,
+          "repeat a fault of PCL 1.13: two lengths d are sqrt(d^2 + 1), which matters for clouds in metres");
   }
   void check() const;
 };

@@ -77,11 +77,21 @@ std::string message_of(const std::function<std::vector<NamedMesh>()>& read) {
   return bytes + end_mark;
 }
 
-[[noreturn]] void be_the_child(int to_parent, const std::function<std::vector<NamedMesh>()>& read) {
-  for (const int signal_number : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGINT, SIGTERM})
+/// A damaged file may send a library round in circles: far more time than any whole file of this size takes.
+rlim_t most_cpu_s(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto bytes = std::filesystem::file_size(path, ignored);
+  constexpr rlim_t at_least_s = 10, for_each_mb_s = 5;
+  return at_least_s + (ignored ? 0 : for_each_mb_s * static_cast<rlim_t>(bytes >> 20));
+}
+
+[[noreturn]] void be_the_child(int to_parent, rlim_t cpu_s, const std::function<std::vector<NamedMesh>()>& read) {
+  for (const int signal_number : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU, SIGINT, SIGTERM})
     signal(signal_number, SIG_DFL);
   const rlimit no_core_file{0, 0};
   setrlimit(RLIMIT_CORE, &no_core_file);
+  const rlimit time{cpu_s, cpu_s + 1};
+  setrlimit(RLIMIT_CPU, &time);
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
@@ -115,7 +125,7 @@ std::vector<NamedMesh> read_isolated(const std::filesystem::path& path, const ch
   }
   if (child == 0) {
     close(ends[0]);
-    be_the_child(ends[1], read_it);
+    be_the_child(ends[1], most_cpu_s(path), read_it);
   }
   close(ends[1]);
   std::string bytes;
@@ -132,7 +142,9 @@ std::vector<NamedMesh> read_isolated(const std::filesystem::path& path, const ch
   }
   if (bytes.empty() || bytes.back() != end_mark || (WIFSIGNALED(status) && WTERMSIG(status) != 0))
     throw Error("{}: {} {} on it: the file is damaged or too large", path.string(), library,
-                WIFSIGNALED(status) ? "crashed" : "gave up");
+                !WIFSIGNALED(status)          ? "gave up"
+                : WTERMSIG(status) == SIGXCPU ? "does not come to an end"
+                                              : "crashed");
   Message message(bytes);
   if (bytes[0] == error_follows) throw Error(message.text());
   std::vector<NamedMesh> parts(message.count());
