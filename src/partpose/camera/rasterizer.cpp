@@ -18,17 +18,21 @@ class Canvas {
   Canvas(const Intrinsics& camera, std::vector<float>& inverse_z, std::vector<int>& triangle)
       : camera_(camera), inverse_z_(inverse_z), triangle_(triangle) {}
 
-  /// A triangle wholly beyond the near plane, corners in the camera frame.
-  void draw(const std::array<Eigen::Vector3d, 3>& corner, int index) {
-    std::array<Eigen::Vector2d, 3> pixel;
-    double v_min = 1e300, v_max = -1e300, z_min = 1e300, z_max = 0;
+  /// A triangle wholly beyond the near plane, corners in the camera frame and in pixels.
+  void draw(const std::array<Eigen::Vector3d, 3>& corner, const std::array<Eigen::Vector2d, 3>& pixel, int index) {
+    double u_min = 1e300, u_max = -1e300, v_min = 1e300, v_max = -1e300, z_min = 1e300, z_max = 0;
     for (int k = 0; k < 3; ++k) {
-      pixel[k] = camera_.project(corner[k]);
+      u_min = std::min(u_min, pixel[k].x());
+      u_max = std::max(u_max, pixel[k].x());
       v_min = std::min(v_min, pixel[k].y());
       v_max = std::max(v_max, pixel[k].y());
       z_min = std::min(z_min, corner[k].z());
       z_max = std::max(z_max, corner[k].z());
     }
+    // Most of a fine mesh falls between the pixel centres.
+    if (u_max < -tolerance_px || u_min > camera_.width - 1 + tolerance_px ||
+        std::ceil(u_min - tolerance_px) > u_max + tolerance_px)
+      return;
     const int first_row = static_cast<int>(std::ceil(std::clamp(v_min - tolerance_px, 0.0, double(camera_.height))));
     const int last_row = static_cast<int>(std::floor(std::clamp(v_max + tolerance_px, -1.0, camera_.height - 1.0)));
     if (first_row > last_row) return;
@@ -115,7 +119,11 @@ Rendering render(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_
   std::vector<float>& inverse_z = out.depth.z_mm;  // inverted in place at the end
 
   std::vector<Eigen::Vector3d> vertices(mesh.vertices.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = camera_from_model * mesh.vertices[i].cast<double>();
+  std::vector<Eigen::Vector2d> pixels(mesh.vertices.size());  // of those beyond the near plane
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    vertices[i] = camera_from_model * mesh.vertices[i].cast<double>();
+    if (vertices[i].z() >= near_mm) pixels[i] = intrinsics.project(vertices[i]);
+  }
 
   Canvas canvas(intrinsics, inverse_z, out.triangle);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -123,11 +131,13 @@ Rendering render(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_
     const std::array<Eigen::Vector3d, 3> corner = {vertices[a], vertices[b], vertices[c]};
     const int beyond = (corner[0].z() >= near_mm) + (corner[1].z() >= near_mm) + (corner[2].z() >= near_mm);
     if (beyond == 3) {
-      canvas.draw(corner, static_cast<int>(t));
+      canvas.draw(corner, {pixels[a], pixels[b], pixels[c]}, static_cast<int>(t));
     } else if (beyond > 0) {
       const auto polygon = beyond_near_plane(corner);
       for (std::size_t k = 2; k < polygon.size(); ++k)
-        canvas.draw({polygon[0], polygon[k - 1], polygon[k]}, static_cast<int>(t));
+        canvas.draw({polygon[0], polygon[k - 1], polygon[k]},
+                    {intrinsics.project(polygon[0]), intrinsics.project(polygon[k - 1]), intrinsics.project(polygon[k])},
+                    static_cast<int>(t));
     }
   }
   for (float& value : inverse_z)

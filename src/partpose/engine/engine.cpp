@@ -29,7 +29,6 @@ struct Target {
   double noise_mm;                     ///< of the depths about a part that fits: slow waves are in it
   double extent_mm = 0;                ///< about the diameter of what is seen
   double local_noise_mm;               ///< of the depths from pixel to pixel
-  std::vector<Hypothesis> hypotheses;  ///< before the verification, best first
   std::vector<Candidate> candidates;   ///< best first
   std::vector<double> log_likelihoods;  ///< of the candidates, of the coarse comparison
   double best_score = 0;               ///< probability_of_part of the best
@@ -103,7 +102,7 @@ FrameWindow about_part(const ObjectView& view, const PartModel& model, const Eig
                 pixel(u1 + 2 * stride, camera.width), pixel(v1 + 2 * stride, camera.height), stride);
 }
 
-constexpr int coarse_pixels = 900, fine_pixels = 3000;
+constexpr int coarse_pixels = 600, fine_pixels = 2500;
 
 }  // namespace
 
@@ -119,7 +118,8 @@ struct Engine::Impl {
   FramePiecesOptions pieces;
 
   void models_changed();
-  void verify(Target& target) const;
+  void examine(Target& target, bool look_behind, StageTimes& time) const;
+  void verify(Target& target, std::vector<Hypothesis> hypotheses) const;
   /// Moves the contenders onto the data; returns the least that a fit leaves, in mm.
   double polish(Target& target) const;
   void decide(Target& target) const;
@@ -244,6 +244,22 @@ Recognition Engine::recognize(const PointCloud& cloud) const {
   return recognition;
 }
 
+/// Finds the parts and poses that explain the object best. `look_behind`: what hides it may hide any of it.
+void Engine::Impl::examine(Target& target, bool look_behind, StageTimes& time) const {
+  auto hypotheses = time("templates", [&] { return shortlist(model_of, target.view, {.look_behind = look_behind}); });
+  time("refine_1", [&] {
+    refine(hypotheses, model_of, target.view, target.view.few, 6);
+    hypotheses = best_of(std::move(hypotheses), std::max<std::size_t>(24, hypotheses.size() / 4), 2);
+  });
+  time("refine_2", [&] {
+    refine(hypotheses, model_of, target.view, target.view.many, 8);
+    const std::size_t kept = std::max<std::size_t>(6, hypotheses.size() / 5);
+    hypotheses = best_of(distinct(std::move(hypotheses), model_of), kept, 1);
+    if (hypotheses.size() > 2 * kept) hypotheses.resize(2 * kept);
+  });
+  time("verify", [&] { verify(target, std::move(hypotheses)); });
+}
+
 Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera) const {
   Recognition r;
   r.result.timestamp = make_timestamp();
@@ -261,31 +277,18 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     return r;
   }
   std::vector<Target> targets;
+  std::bitset<256> explained;  // labels of what a part explains well
   for (const auto& object : frame.objects) {
+    if ((object.labels & ~explained).none()) continue;  // a piece of what is explained as a whole
     Target target = time("points", [&] { return Target(frame, object); });
     if (target.view.points.points_mm.size() < 30) continue;
-    auto hypotheses = time("templates", [&] { return shortlist(impl_->model_of, target.view, {}); });
-    time("refine_1", [&] {
-      refine(hypotheses, impl_->model_of, target.view, target.view.few, 6);
-      hypotheses = best_of(std::move(hypotheses), std::max<std::size_t>(24, hypotheses.size() / 4), 2);
-    });
-    time("refine_2", [&] {
-      refine(hypotheses, impl_->model_of, target.view, target.view.many, 8);
-      const std::size_t kept = std::max<std::size_t>(6, hypotheses.size() / 5);
-      hypotheses = best_of(distinct(std::move(hypotheses), impl_->model_of), kept, 1);
-      if (hypotheses.size() > 2 * kept) hypotheses.resize(2 * kept);
-    });
-    target.hypotheses = std::move(hypotheses);
-    if (!target.hypotheses.empty()) targets.push_back(std::move(target));
+    impl_->examine(target, false, time);
+    constexpr double weak = 0.8, strong = 0.85;
+    if (target.best_score < weak && is_partly_hidden(target.view)) impl_->examine(target, true, time);
+    if (target.candidates.empty()) continue;
+    if (target.best_score > strong) explained |= object.labels;
+    targets.push_back(std::move(target));
   }
-  // A closer look at the objects that a part explains best.
-  constexpr std::size_t most_verified = 10;
-  std::stable_sort(targets.begin(), targets.end(),
-                   [](const Target& a, const Target& b) { return a.hypotheses[0].cost < b.hypotheses[0].cost; });
-  while (targets.size() > most_verified) targets.pop_back();
-  time("verify", [&] {
-    for (auto& target : targets) impl_->verify(target);
-  });
   const auto by_evidence = [](const Target& a, const Target& b) { return a.evidence() > b.evidence(); };
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
   // Objects that a part hardly explains need no closer look.
@@ -359,8 +362,7 @@ Candidate Engine::Impl::candidate_of(const Hypothesis& h, int id) const {
   return candidate;
 }
 
-void Engine::Impl::verify(Target& target) const {
-  std::vector<Hypothesis> hypotheses = std::move(target.hypotheses);
+void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) const {
   const auto settle = [&](Hypothesis& h) {
     const PartModel& model = *models[h.part];
     const double end_mm = std::max(0.005 * model.diameter_mm, target.noise_mm);
@@ -398,11 +400,15 @@ void Engine::Impl::verify(Target& target) const {
   sort_by_cost(hypotheses);
   hypotheses = distinct(std::move(hypotheses), model_of);
   if (hypotheses.size() > 8) hypotheses.resize(8);
+  // Of two examinations the better counts.
+  if (hypotheses.empty() || (!target.log_likelihoods.empty() && -hypotheses[0].cost < target.log_likelihoods[0])) return;
+  target.candidates.clear();
+  target.log_likelihoods.clear();
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     target.candidates.push_back(candidate_of(hypotheses[i], static_cast<int>(i)));
     target.log_likelihoods.push_back(-hypotheses[i].cost);
   }
-  target.best_score = hypotheses.empty() ? 0 : probability_of_part(compare(hypotheses[0]));
+  target.best_score = probability_of_part(compare(hypotheses[0]));
 }
 
 /// Those that a closer look may still put first.

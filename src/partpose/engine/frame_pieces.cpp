@@ -21,6 +21,8 @@ namespace {
 /// How far a piece may exceed the largest part, for noise and for what sticks to it.
 constexpr float size_margin = 1.25f;
 constexpr int wanted_cells = 80'000;
+/// What is so many times as high as the cut stands out for certain.
+constexpr float stands_out_cuts = 1.7f;
 
 class UnionFind {
  public:
@@ -297,7 +299,7 @@ class Splitter {
   /// The plane is the table, the wall or the floor. What is left falls into pieces; those too large to be a part have a
   /// plane of their own taken away.
   void remove_plane_and_split(const Cells& cells, const CutPlane& plane, int level) {
-    Cells remaining, on_plane;
+    Cells remaining, on_plane, high;
     const Eigen::Vector3f q = plane.plane.q;
     const float per_mm = 1 / q.norm();
     std::array<float, FlatSurface::degree + 1> bend{};
@@ -308,7 +310,9 @@ class Splitter {
       for (int i = FlatSurface::degree - 1; i >= 0; --i) bent = bent * x + bend[i];
       const float height = (1 - grid_.z_mm[cell] * (q.x() * x + q.y() * grid_.ray_y[row] + q.z())) * per_mm - bent;
       (std::abs(height) > plane.cut_mm ? remaining : on_plane).push_back(cell);
+      if (level == 0 && std::abs(height) > stands_out_cuts * plane.cut_mm) high.push_back(cell);
     }
+    if (level == 0) keep_near(remaining, high);
     // Taken away wherever it shows, also through a part's holes.
     split(remaining, plane, level);
     if (level == 0) return;
@@ -319,6 +323,20 @@ class Splitter {
     if (remaining.size() == without_patches) return;
     std::sort(remaining.begin(), remaining.end());
     split(remaining, plane, level);
+  }
+
+  /// Only cells beside others that clearly stand out: what is left of the table's noise is not what hangs on a part.
+  void keep_near(Cells& cells, const Cells& high) const {
+    constexpr int reach = 3;
+    std::vector<std::uint8_t> near(grid_.z_mm.size(), 0);
+    for (const int cell : high) {
+      const int u = cell % grid_.width, v = cell / grid_.width;
+      for (int vv = std::max(v - reach, 0); vv <= std::min(v + reach, grid_.height - 1); ++vv) {
+        const int from = std::max(u - reach, 0), to = std::min(u + reach, grid_.width - 1);
+        std::fill_n(near.begin() + static_cast<std::ptrdiff_t>(vv) * grid_.width + from, to - from + 1, 1);
+      }
+    }
+    std::erase_if(cells, [&](int cell) { return !near[cell]; });
   }
 
   void split(const Cells& remaining, const CutPlane& plane, int level) {
@@ -349,7 +367,7 @@ class Splitter {
     for (float& h : height) h = std::abs(h);
     const auto high = height.begin() + static_cast<std::ptrdiff_t>(height.size() * 9 / 10);
     std::nth_element(height.begin(), high, height.end());
-    return *high > 1.7f * plane.cut_mm;
+    return *high > stands_out_cuts * plane.cut_mm;
   }
 
   /// Groups of neighbouring cells that are near in space; holes of one cell are bridged.

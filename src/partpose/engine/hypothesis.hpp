@@ -38,7 +38,11 @@ struct ShortlistOptions {
   int kept = 60;          ///< of all parts together
   int kept_per_part = 8;  ///< in any case, of the parts that are still there
   int most_parts = 12;    ///< for which that holds
+  bool look_behind = false;  ///< what is hidden by something nearer may be anything there
 };
+
+/// Whether something nearer hides a part of the object.
+bool is_partly_hidden(const ObjectView& view);
 
 /// The parts, views and turns about the line of sight whose templates are like the object's, best first.
 std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, const ObjectView& view,

@@ -40,7 +40,7 @@ struct PartModel {
   /// Turns (model_from_model) that put the part nearly back onto itself: where it may be mistaken for itself.
   std::vector<Eigen::Isometry3d> partners;
 
-  static constexpr double outline_share = 0.004, surface_share = 0.001;
+  static constexpr double outline_share = 0.006, surface_share = 0.001;
 
   /// Whether the part, moved so, is where it was, to within `tolerance_mm` everywhere.
   bool is_symmetry(const Eigen::Isometry3d& model_from_model, double tolerance_mm) const;
