@@ -102,7 +102,7 @@ FrameWindow about_part(const ObjectView& view, const PartModel& model, const Eig
                 pixel(u1 + 2 * stride, camera.width), pixel(v1 + 2 * stride, camera.height), stride);
 }
 
-constexpr int coarse_pixels = 600, fine_pixels = 2500;
+constexpr int coarse_pixels = 800, fine_pixels = 2500;
 
 }  // namespace
 
@@ -290,10 +290,14 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     targets.push_back(std::move(target));
   }
   const auto by_evidence = [](const Target& a, const Target& b) { return a.evidence() > b.evidence(); };
-  std::stable_sort(targets.begin(), targets.end(), by_evidence);
-  // Objects that a part hardly explains need no closer look.
+  // Objects that a part hardly explains need no closer look, but for the most promising ones.
   constexpr double hopeless = 0.02;
-  while (targets.size() > 1 && targets.back().best_score < hopeless) targets.pop_back();
+  constexpr std::size_t always = 3;
+  std::stable_sort(targets.begin(), targets.end(), [&](const Target& a, const Target& b) {
+    const auto promise = [&](const Target& t) { return (t.best_score + hopeless) * std::sqrt(double(t.view.object->pixels)); };
+    return promise(a) > promise(b);
+  });
+  while (targets.size() > always && targets.back().best_score < hopeless) targets.pop_back();
   // What the likeliest object's best fit leaves is the frame's noise; what others leave beyond that speaks against
   // them. By the square law of triangulation it grows with the distance.
   double noise_per_mm2 = 0;
