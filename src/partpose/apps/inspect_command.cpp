@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "output.hpp"
 #include "parts.hpp"
 #include "terminal.hpp"
 
@@ -132,7 +133,7 @@ void find_ambiguous_views(const NamedMesh& part, const InspectArguments& argumen
   const Symmetries symmetries = report.symmetry ? report.symmetry->found.symmetries : Symmetries{};
   const AmbiguitySearch search({{part.name, part.mesh, symmetries}}, camera);
   const auto views = icosahedron_views(arguments.icosahedron);
-  const Progress progress = terminal_progress(common.quiet || arguments.json);
+  const Progress progress = terminal_progress(common);
   std::vector<char> is_ambiguous(views.size(), 0);
   std::mutex mutex;
   std::size_t done = 0;
@@ -175,7 +176,7 @@ void print(const NamedMesh& part, const PartReport& report) {
     fmt::print("    ambiguous  {} of {} views do not tell the pose{}{}\n", ids.size(), report.views,
                ids.empty() ? "" : ": ", fmt::join(ids, " "));
   }
-  for (const auto& warning : report.warnings) fmt::print("    warning: {}\n", warning);
+  for (const auto& warning : report.warnings) fmt::print("    {} {}\n", coloured(stdout, Colour::yellow, "warning:"), warning);
 }
 
 Json json_of(const NamedMesh& part, const PartReport& report) {
@@ -255,7 +256,7 @@ void inspect_all(const InspectArguments& arguments, const Common& common) {
                                       ? error.what()
                                       : fmt::format("{}: {}", file.string(), error.what());
       if (arguments.json) all["broken"].push_back({{"file", file.string()}, {"error", message}});
-      fmt::print(stderr, "partpose: {}\n", message);
+      complain(message);
     }
   }
   if (!arguments.repair.empty()) {
@@ -265,7 +266,7 @@ void inspect_all(const InspectArguments& arguments, const Common& common) {
     repair(repairable[0], arguments, common);
   }
   if (arguments.json)
-    fmt::print("{}\n", all.dump(2, ' ', false, Json::error_handler_t::replace));
+    print_json(all);
   else if (!common.quiet && files.size() > 1)
     fmt::print("{} files: {} good with {} parts, {} broken\n", files.size(), good_files, good_parts,
                files.size() - good_files);
