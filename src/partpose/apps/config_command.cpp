@@ -43,7 +43,12 @@ template <typename T>
 Kind kind(const char* name, const char* read_by) {
   const auto write = [](const fs::path& file, const std::vector<std::string>& overrides) {
     T config = file.empty() ? T{} : read_json<T>(file);
-    apply_overrides(config, overrides);
+    // The defaults of an experiment are to be filled in: no configuration yet that can be checked.
+    constexpr bool complete = !std::same_as<T, ExperimentSpec>;
+    if (complete || !file.empty())
+      apply_overrides(config, overrides);
+    else
+      set_keys(config, overrides);
     return Texts{commented_json(config), to_json(config).dump(2, ' ', false, Json::error_handler_t::replace) + "\n"};
   };
   return {name, read_by, [] { return keys_of<T>(); }, write};
@@ -99,7 +104,7 @@ std::vector<Found> keys_meant(const std::string& name, const std::vector<const K
     for (const Kind* k : asked) {
       const auto keys = k->keys();
       for (const auto& key : keys) {
-        if (key.path != name && !(ending && key.path.ends_with("." + name))) continue;
+        if (key.path != name && !(ending && key.path.ends_with(fmt::format(".{}", name)))) continue;
         found.push_back({k, key});
         for (const auto& inner : keys)
           if (inner.path.starts_with(key.path + ".") || inner.path.starts_with(key.path + "[]."))
@@ -118,6 +123,7 @@ std::vector<Found> keys_meant(const std::string& name, const std::vector<const K
 }
 
 std::string default_of(const ConfigKey& key) {
+  if (key.required) return "required";
   if (key.standard.is_null()) return key.optional ? "absent" : "";
   return json_line(key.standard);
 }
@@ -126,10 +132,10 @@ void print_markdown(const std::vector<Found>& found) {
   fmt::print("| key | type | default | meaning |\n|---|---|---|---|\n");
   for (const auto& [kind, key] : found) {
     std::string help = key.help;
-    for (std::size_t at = 0; (at = help.find('|', at)) != std::string::npos; at += 2) help.insert(at, "\\");
+    for (std::size_t at = 0; (at = help.find('|', at)) != std::string::npos; at += 2) help.insert(at, 1, '\\');
     const std::string standard = default_of(key);
-    const bool code = !standard.empty() && !key.standard.is_null();
-    fmt::print("| `{}` | {} | {} | {} |\n", key.path, key.type, code ? "`" + standard + "`" : standard, help);
+    const bool code = !standard.empty() && !key.standard.is_null() && !key.required;
+    fmt::print("| `{}` | {} | {} | {} |\n", key.path, key.type, code ? fmt::format("`{}`", standard) : standard, help);
   }
 }
 
@@ -138,8 +144,9 @@ void explain(const std::vector<Found>& found, bool json) {
     Json all = Json::array();
     for (const auto& [kind, key] : found) {
       Json one = {{"config", kind->name}, {"key", key.path}, {"type", key.type}};
-      if (!key.section) one["default"] = key.standard;
+      if (!key.section && !key.required) one["default"] = key.standard;
       one["optional"] = key.optional;
+      one["required"] = key.required;
       one["meaning"] = key.help;
       all.push_back(std::move(one));
     }
@@ -149,7 +156,10 @@ void explain(const std::vector<Found>& found, bool json) {
   for (const auto& [kind, key] : found) {
     const std::string standard = default_of(key);
     fmt::print("{}: {}  ({}{})\n    {}\n", kind->name, key.path, key.type,
-               standard.empty() ? "" : ", default: " + standard, key.help);
+               standard.empty()   ? ""
+               : key.required ? ", required"
+                              : fmt::format(", default: {}", standard),
+               key.help);
   }
 }
 
@@ -176,9 +186,10 @@ void run(const ConfigArguments& arguments) {
   const Texts texts = kind.write(arguments.config, arguments.overrides);
   const std::string text =
       arguments.json ? texts.plain
-                     : fmt::format("// A {} configuration of partpose, read by: {}.\n// Keys that are left out have "
-                                   "their defaults.\n{}",
-                                   kind.name, kind.read_by, texts.commented);
+                     : fmt::format("// Configuration \"{}\" of partpose, read by: {}.\n// {}.\n{}", kind.name, kind.read_by,
+                                   kind.keys()[0].required ? "All keys are needed, but those that may be absent"
+                                                           : "Keys that are left out have their defaults",
+                                   texts.commented);
   if (arguments.output.empty() || arguments.output == "-")
     fmt::print("{}", text);
   else

@@ -82,7 +82,7 @@ std::string comment_of(const std::string& help, int indent) {
 
 std::string comment_of(const ConfigKey& item, int indent) {
   const std::string standard = item.section ? "" : item.optional ? ", absent" : ", " + json_line(item.standard);
-  return comment_of(fmt::format("{} ({}{}): {}", item.path, item.type, standard, item.help), indent + 2);
+  return comment_of(fmt::format("{} ({}{}): {}", item.path, item.type, standard, item.help), indent);
 }
 
 }  // namespace config_detail

@@ -22,6 +22,7 @@ struct ConfigKey {
   Json standard;          ///< the default; null for what is absent unless it is given, and for sections
   bool optional = false;  ///< absent unless it is given
   bool section = false;   ///< has keys of its own
+  bool required = false;  ///< a file without it is refused
   std::string help;
 };
 
@@ -88,7 +89,13 @@ void append_keys(const T& object, const std::string& parent, std::vector<ConfigK
   T::describe(object, [&]<typename Field>(const char* name, const Field& field, const char* help) {
     using json_detail::IsOptional;
     constexpr bool section = Described<typename Inner<Field>::Type>;
-    ConfigKey key{parent + name, TypeName<Field>::name(), {}, IsOptional<Field>::value, section, help};
+    ConfigKey key;
+    key.path = parent + name;
+    key.type = TypeName<Field>::name();
+    key.optional = IsOptional<Field>::value;
+    key.section = section;
+    key.required = json_detail::all_keys_required<T>() && !key.optional;
+    key.help = help;
     if constexpr (IsOptional<Field>::value) {
       if (!section && field) key.standard = to_json(*field);
     } else if constexpr (!section) {
@@ -220,9 +227,9 @@ std::vector<ConfigKey> keys_of(const T& defaults = {}) {
 }
 
 /// Sets keys from texts like "vfh.k_nn=9", "xyz_limits=0,1,0,1,0,1" or "groups[0].name=screws". Throws Error, naming the
-/// text, for an unknown key (with the nearest one), a wrong type and a value out of range.
+/// text, for an unknown key (with the nearest one) and a wrong type. What the struct checks of its values is left out.
 template <json_detail::Described T>
-void apply_overrides(T& config, const std::vector<std::string>& overrides) {
+void set_keys(T& config, const std::vector<std::string>& overrides) {
   for (const auto& given : overrides) {
     const config_detail::Override change(given);
     try {
@@ -232,6 +239,12 @@ void apply_overrides(T& config, const std::vector<std::string>& overrides) {
       throw Error("--set {}: {}", given, error.what());
     }
   }
+}
+
+/// The same, and throws Error for a value out of range.
+template <json_detail::Described T>
+void apply_overrides(T& config, const std::vector<std::string>& overrides) {
+  set_keys(config, overrides);
   if (overrides.empty()) return;
   try {
     config = from_json<T>(to_json(config));  // what the structs check of their values together

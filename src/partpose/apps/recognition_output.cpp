@@ -32,7 +32,9 @@ Json json_of(const Alternative& alternative, const Catalogue& catalogue) {
           {"probability", rounded(alternative.probability)}};
 }
 
-/// What only some recognizers state: confidence, covariance and alternatives.
+/// Only some recognizers say how sure they are.
+bool states_certainty(const Detection& detection) { return detection.confidence > 0; }
+
 void add_certainty(Json& line, const Detection& detection, const Catalogue& catalogue) {
   line["confidence"] = rounded(detection.confidence);
   line["covariance"] = Json::array();
@@ -52,7 +54,7 @@ Json detections_of(const Recognition& recognition, const Catalogue& catalogue) {
     one["model_name"] = catalogue.parts[detection.part].name;
     one["T"] = to_json(detection.camera_from_model);
     one["score"] = to_json(detection.score);
-    add_certainty(one, detection, catalogue);
+    if (states_certainty(detection)) add_certainty(one, detection, catalogue);
     detections.push_back(std::move(one));
   }
   if (!detections.empty() || recognition.accepted < 0) return detections;
@@ -67,7 +69,7 @@ Json detections_of(const Recognition& recognition, const Catalogue& catalogue) {
 std::string certainty_text(float score, const Detection* detection) {
   std::string text;
   if (score >= 0) text += fmt::format(", score {:.2f}", score);
-  if (detection) text += fmt::format(", confidence {:.2f}", detection->confidence);
+  if (detection && states_certainty(*detection)) text += fmt::format(", confidence {:.2f}", detection->confidence);
   return text;
 }
 

@@ -70,6 +70,15 @@ TEST(RecognitionOutput, WithoutStatedCertaintyTheResultIsTheOneDetection) {
   EXPECT_FALSE(line["detections"][0].contains("confidence"));
 }
 
+TEST(RecognitionOutput, AConfidenceThatIsNotStatedIsNotShown) {
+  Recognition recognition = two_objects();
+  for (auto& detection : recognition.detections) detection = {detection.part, detection.camera_from_model, 0.5f};
+  const Json line = line_of("frame.png", recognition, two_parts());
+  ASSERT_EQ(line["detections"].size(), 2u);
+  EXPECT_FALSE(line["detections"][1].contains("confidence"));
+  EXPECT_EQ(text_for_people("f.png", recognition, two_parts()).find("confidence"), std::string::npos);
+}
+
 TEST(RecognitionOutput, NothingRecognized) {
   Recognition recognition;
   recognition.reason = "nothing there";
