@@ -155,6 +155,10 @@ good "inspect and repair" inspect parts/link.stl --unit in --repair large.stl
 good "what was repaired" inspect large.stl --json
 grep -q '"warnings": \[\]' out.txt || fail "inspect of a repaired file: $(grep -A3 warnings out.txt)"
 bad "repair of several" "one part, there are 2" inspect parts --repair x.stl
+good "repair into a folder" inspect parts --repair repaired/
+good "what was repaired" inspect repaired
+[ "$(ls repaired | tr '\n' ' ')" = "bracket.stl link.stl " ] || fail "inspect --repair: $(ls repaired)"
+bad "repair over the files" "write over the file itself" inspect parts --repair parts/
 mkdir twice && cp parts/link.stl twice/ && printf 'OFF\n4 4 6\n0 0 0\n30 0 0\n0 40 0\n0 0 50\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n' >twice/link.off
 bad "two parts of one name" 'link.stl: another model is already named "link": .*link.off' dataset --models twice --output d4
 bad "chord tolerance" "must be positive" inspect parts/link.stl --chord-tolerance 0

@@ -57,7 +57,7 @@ void list(const AmbiguityArguments& arguments, const Common& common) {
   Json all = Json::object();
   if (!arguments.json)
     fmt::print("{:<24} {:>6} {:>15} {:>11}  {}\n", "part", "views", "pose ambiguous", "most poses",
-             "views like another part");
+               "views like another part");
   for (std::size_t p = 0; p < parts.size(); ++p) {
     int ambiguous = 0, most = 0;
     std::map<std::string, int> others;
@@ -94,6 +94,7 @@ void list(const AmbiguityArguments& arguments, const Common& common) {
     fmt::print("{:<24} {:>6} {:>8} ({:3.0f} %) {:>11}  {}\n", parts[p].name, views.size(), ambiguous,
                100.0 * ambiguous / static_cast<double>(views.size()), most, text);
   }
+  if (arguments.json) print_json(all);
 }
 
 }  // namespace

@@ -114,9 +114,8 @@ void check_models_are_known(const CapturedSet& set, const Catalogue& catalogue) 
 Json json_of(Json lines, const std::map<std::string, Count>& count_of_kind) {
   Json all = {{"frames", std::move(lines)}, {"kinds", Json::object()}};
   for (const auto& [kind, count] : count_of_kind)
-    all["kinds"][kind] = {{"frames", count.frames},         {"right", count.right}, {"wrong", count.wrong},
-                          {"none", count.none},             {"pose_right", count.pose_right},
-                          {"median_ms", count.median_ms()}};
+    all["kinds"][kind] = {{"frames", count.frames}, {"right", count.right},           {"wrong", count.wrong},
+                          {"none", count.none},     {"pose_right", count.pose_right}, {"median_ms", count.median_ms()}};
   return all;
 }
 

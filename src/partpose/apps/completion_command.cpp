@@ -39,8 +39,10 @@ std::vector<std::string> values_of(const CLI::Option& option) {
   if (begin == std::string::npos || end == std::string::npos) return values;
   std::string value;
   for (const char c : type.substr(begin + 1, end - begin - 1)) {
-    if (c == ',') values.push_back(std::exchange(value, ""));
-    else value += c;
+    if (c == ',')
+      values.push_back(std::exchange(value, ""));
+    else
+      value += c;
   }
   values.push_back(value);
   return values;
@@ -168,8 +170,7 @@ std::string zsh_script(const std::vector<CompletedCommand>& commands) {
                                 : option.values.empty() ? ":value:_files"
                                                         : fmt::format(":value:({})", joined(option.values));
       for (const auto& spelled : option.names)
-        specifications +=
-            " \\\n    " + quoted(fmt::format("*{}[{}]{}", spelled, zsh_text(option.help), value));
+        specifications += " \\\n    " + quoted(fmt::format("*{}[{}]{}", spelled, zsh_text(option.help), value));
     }
     std::vector<const CompletedCommand*> subcommands;
     for (const auto& other : commands)
@@ -262,8 +263,9 @@ void add_completion_command(CLI::App& app) {
   completion->callback([shell, &app] {
     std::vector<CompletedCommand> commands;
     append_commands(app, "", commands);
-    fmt::print("{}", *shell == "bash" ? bash_script(commands) : *shell == "zsh" ? zsh_script(commands)
-                                                                               : fish_script(commands));
+    fmt::print("{}", *shell == "bash"  ? bash_script(commands)
+                     : *shell == "zsh" ? zsh_script(commands)
+                                       : fish_script(commands));
   });
 }
 

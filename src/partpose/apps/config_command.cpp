@@ -156,9 +156,9 @@ void explain(const std::vector<Found>& found, bool json) {
   for (const auto& [kind, key] : found) {
     const std::string standard = default_of(key);
     fmt::print("{}: {}  ({}{})\n    {}\n", kind->name, key.path, key.type,
-               standard.empty()   ? ""
-               : key.required ? ", required"
-                              : fmt::format(", default: {}", standard),
+               standard.empty() ? ""
+               : key.required   ? ", required"
+                                : fmt::format(", default: {}", standard),
                key.help);
   }
 }
@@ -185,11 +185,12 @@ void run(const ConfigArguments& arguments) {
   const Kind& kind = arguments.kind.empty() ? kinds()[0] : kind_of(arguments.kind);
   const Texts texts = kind.write(arguments.config, arguments.overrides);
   const std::string text =
-      arguments.json ? texts.plain
-                     : fmt::format("// Configuration \"{}\" of partpose, read by: {}.\n// {}.\n{}", kind.name, kind.read_by,
-                                   kind.keys()[0].required ? "All keys are needed, but those that may be absent"
-                                                           : "Keys that are left out have their defaults",
-                                   texts.commented);
+      arguments.json
+          ? texts.plain
+          : fmt::format("// Configuration \"{}\" of partpose, read by: {}.\n// {}.\n{}", kind.name, kind.read_by,
+                        kind.keys()[0].required ? "All keys are needed, but those that may be absent"
+                                                : "Keys that are left out have their defaults",
+                        texts.commented);
   if (arguments.output.empty() || arguments.output == "-")
     fmt::print("{}", text);
   else

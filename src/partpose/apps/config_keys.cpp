@@ -42,8 +42,7 @@ std::string last_name(const std::string& path) { return path.substr(path.rfind('
 
 Override::Override(const std::string& given) {
   const std::size_t equals = given.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw Error("--set {}: expected KEY=VALUE, like vfh.k_nn=9", given);
+  if (equals == std::string::npos || equals == 0) throw Error("--set {}: expected KEY=VALUE, like vfh.k_nn=9", given);
   key = given.substr(0, equals);
   value = given.substr(equals + 1);
   path = path_of(key, given);

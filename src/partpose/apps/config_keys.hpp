@@ -226,8 +226,9 @@ std::vector<ConfigKey> keys_of(const T& defaults = {}) {
   return keys;
 }
 
-/// Sets keys from texts like "vfh.k_nn=9", "xyz_limits=0,1,0,1,0,1" or "groups[0].name=screws". Throws Error, naming the
-/// text, for an unknown key (with the nearest one) and a wrong type. What the struct checks of its values is left out.
+/// Sets keys from texts like "vfh.k_nn=9", "xyz_limits=0,1,0,1,0,1" or "groups[0].name=screws". Throws Error, naming
+/// the text, for an unknown key (with the nearest one) and a wrong type. What the struct checks of its values is left
+/// out.
 template <json_detail::Described T>
 void set_keys(T& config, const std::vector<std::string>& overrides) {
   for (const auto& given : overrides) {

@@ -67,11 +67,19 @@ TEST(ConfigKeys, AreThoseOfTheStructs) {
   for (const auto& k : keys)
     lines.push_back(fmt::format("{} {}{}{} {}", k.path, k.type, k.optional ? "?" : "", k.section ? " section" : "",
                                 json_line(k.standard)));
-  const std::vector<std::string> expected = {
-      "flag bool false",       "name str \"x\"",         "range 2 x float [1.0,2.0]", "words str[] [\"a\"]",
-      "inner object section null", "inner.count int 3",  "inner.limit_mm float? null", "maybe object? section null",
-      "maybe.count int 3",     "maybe.limit_mm float? null", "list object[] section null", "list[].count int 3",
-      "list[].limit_mm float? null"};
+  const std::vector<std::string> expected = {"flag bool false",
+                                             "name str \"x\"",
+                                             "range 2 x float [1.0,2.0]",
+                                             "words str[] [\"a\"]",
+                                             "inner object section null",
+                                             "inner.count int 3",
+                                             "inner.limit_mm float? null",
+                                             "maybe object? section null",
+                                             "maybe.count int 3",
+                                             "maybe.limit_mm float? null",
+                                             "list object[] section null",
+                                             "list[].count int 3",
+                                             "list[].limit_mm float? null"};
   EXPECT_EQ(lines, expected);
   EXPECT_EQ(keys[5].help, "how many, >= 0");
 }

@@ -71,7 +71,8 @@ void add_dataset_commands(CLI::App& app, const Common& common) {
   dataset->add_option("-c,--config", arguments->config, "Dataset preparation JSON (default: 42 views from 650 mm)");
   add_set_option(*dataset, arguments->overrides);
   dataset->add_flag("--json", arguments->json, "Print what was made as JSON");
-  dataset->add_option("-o,--output", arguments->output, "Folder to write; an older dataset there is replaced")->required();
+  dataset->add_option("-o,--output", arguments->output, "Folder to write; an older dataset there is replaced")
+      ->required();
   dataset->footer(
       "Examples:\n"
       "  partpose dataset --models parts/ --config configs/dataset_ground_truth.json --output dataset/\n"
@@ -87,11 +88,13 @@ void add_dataset_commands(CLI::App& app, const Common& common) {
   auto index_arguments = std::make_shared<IndexArguments>();
   auto* index = app.add_subcommand("index", "Compute the descriptors of a dataset's views (the offline stage)");
   index->add_option("-d,--dataset", index_arguments->dataset, "Dataset folder")->required();
-  index->add_option("-c,--config", index_arguments->config, "Pipeline JSON (default: configs/pipeline_virtual.json's values)");
+  index->add_option("-c,--config", index_arguments->config,
+                    "Pipeline JSON (default: configs/pipeline_virtual.json's values)");
   add_set_option(*index, index_arguments->overrides);
   index->add_flag("--json", index_arguments->json, "Print what was made as JSON");
-  index->footer("Example:\n  partpose index --dataset dataset/ --config configs/pipeline_virtual.json\n"
-                "Descriptors are kept in the dataset and used again until something that they depend on changes.");
+  index->footer(
+      "Example:\n  partpose index --dataset dataset/ --config configs/pipeline_virtual.json\n"
+      "Descriptors are kept in the dataset and used again until something that they depend on changes.");
   index->callback([index_arguments, &common] {
     const auto config = pipeline_config(index_arguments->config, index_arguments->overrides);
     const Stopwatch watch;

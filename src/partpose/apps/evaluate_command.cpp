@@ -41,12 +41,12 @@ struct EvaluateArguments {
 };
 
 void print_row(const std::string& name, const ProtocolSummary& s) {
-  fmt::print("{:<24} {:>6} {:>9.1f} {:>9.1f} {:>9.1f} {:>12.1f} {:>9.1f} {:>9.1f}\n", name, s.frames, s.correct_percent(),
-             s.wrong_percent(), s.none_percent(), s.pose_right_percent(), s.median_ms, s.p95_ms);
+  fmt::print("{:<24} {:>6} {:>9.1f} {:>9.1f} {:>9.1f} {:>12.1f} {:>9.1f} {:>9.1f}\n", name, s.frames,
+             s.correct_percent(), s.wrong_percent(), s.none_percent(), s.pose_right_percent(), s.median_ms, s.p95_ms);
 }
 
 Json json_of(const ProtocolSummary& s) {
-  return {{"frames", s.frames}, {"correct", s.correct},       {"wrong", s.wrong},    {"none", s.none},
+  return {{"frames", s.frames},         {"correct", s.correct},     {"wrong", s.wrong},  {"none", s.none},
           {"pose_right", s.pose_right}, {"median_ms", s.median_ms}, {"p95_ms", s.p95_ms}};
 }
 
@@ -123,7 +123,8 @@ void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) 
 
 void add_evaluate_command(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<EvaluateArguments>();
-  auto* evaluate = app.add_subcommand("evaluate", "Recognize every view of a test dataset and count how often it is right");
+  auto* evaluate =
+      app.add_subcommand("evaluate", "Recognize every view of a test dataset and count how often it is right");
   evaluate->add_option("-d,--dataset", arguments->dataset, "Dataset folder of the catalogue")->required();
   evaluate->add_option("-t,--test", arguments->test, "Dataset folder whose views are the scenes")->required();
   evaluate->add_option("-c,--config", arguments->config, "Pipeline JSON");
@@ -132,10 +133,13 @@ void add_evaluate_command(CLI::App& app, const Common& common) {
   evaluate->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each frame here");
   evaluate->add_option("-o,--output", arguments->output,
                        "Write an iteration output folder for each frame here, with evaluation.json in it");
-  evaluate->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")->capture_default_str();
-  evaluate->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")->capture_default_str();
-  evaluate->footer("Example (ground-truth protocol):\n"
-                   "  partpose evaluate --dataset dataset/ --test dataset/ --config configs/pipeline_virtual.json");
+  evaluate->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")
+      ->capture_default_str();
+  evaluate->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")
+      ->capture_default_str();
+  evaluate->footer(
+      "Example (ground-truth protocol):\n"
+      "  partpose evaluate --dataset dataset/ --test dataset/ --config configs/pipeline_virtual.json");
   evaluate->callback([arguments, &common] { evaluate_dataset(*arguments, common); });
 }
 

@@ -39,8 +39,8 @@ void add_certainty(Json& line, const Detection& detection, const Catalogue& cata
   line["confidence"] = rounded(detection.confidence);
   line["covariance"] = Json::array();
   for (int row = 0; row < 6; ++row)
-    line["covariance"].push_back(std::vector<double>(detection.covariance.row(row).begin(),
-                                                     detection.covariance.row(row).end()));
+    line["covariance"].push_back(
+        std::vector<double>(detection.covariance.row(row).begin(), detection.covariance.row(row).end()));
   line["alternatives"] = Json::array();
   for (const auto& alternative : detection.alternatives)
     line["alternatives"].push_back(json_of(alternative, catalogue));
@@ -107,10 +107,9 @@ std::string text_for_people(const std::filesystem::path& scene, const Recognitio
                        recognition.total_ms());
   const auto& all = recognition.detections;
   const Detection* first = all.empty() ? nullptr : &all[0];
-  std::string text =
-      fmt::format("{}: {}{} ({:.0f} ms)\n{}", scene.string(), recognition.result.model_name,
-                  certainty_text(recognition.candidates[recognition.accepted].score, first), recognition.total_ms(),
-                  text_of(recognition.result.T_final));
+  std::string text = fmt::format("{}: {}{} ({:.0f} ms)\n{}", scene.string(), recognition.result.model_name,
+                                 certainty_text(recognition.candidates[recognition.accepted].score, first),
+                                 recognition.total_ms(), text_of(recognition.result.T_final));
   if (first) text += alternatives_text(*first, catalogue);
   for (std::size_t i = 1; i < all.size(); ++i)
     text += fmt::format("{}: also {}{}\n{}{}", scene.string(), catalogue.parts[all[i].part].name,
@@ -127,7 +126,8 @@ ColourImage picture_of(const Scene& scene, const Recognition& recognition, const
   std::optional<PlacedMesh> part;
   if (recognition.accepted >= 0) {
     const auto& candidate = recognition.candidates[recognition.accepted];
-    part.emplace(PlacedMesh{catalogue.parts[catalogue.views[candidate.view_row].part].mesh, candidate.camera_from_model});
+    part.emplace(
+        PlacedMesh{catalogue.parts[catalogue.views[candidate.view_row].part].mesh, candidate.camera_from_model});
   }
   if (scene.depth) return draw_overlay(*scene.depth, *scene.intrinsics, part);
   const PointCloud seen = before_camera(scene.cloud);

@@ -97,8 +97,7 @@ TEST(RecognitionOutput, AllObjectsAsText) {
         "    0.00000   0.00000   1.00000    600.000\n    0.00000   0.00000   0.00000      1.000\n",
         x);
   };
-  EXPECT_EQ(text_for_people("f.png", one_object(), two_parts()),
-            "f.png: bracket, score 0.75 (0 ms)\n" + pose("1.000"));
+  EXPECT_EQ(text_for_people("f.png", one_object(), two_parts()), "f.png: bracket, score 0.75 (0 ms)\n" + pose("1.000"));
   EXPECT_EQ(text_for_people("f.png", two_objects(), two_parts()),
             "f.png: bracket, score 0.75, confidence 0.90 (0 ms)\n" + pose("1.000") +
                 "  or, with probability 0.08: link\n" + pose("2.000") +

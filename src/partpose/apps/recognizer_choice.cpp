@@ -87,9 +87,8 @@ ChosenRecognizer choose_recognizer(const std::string& command, const RecognizerA
         kept_catalogue(read_parts(arguments.models, arguments.reading, common), arguments.cache, common));
   } else {
     const Unfinished descriptors;
-    chosen.recognizer = make_recognizer(
-        arguments.recognizer,
-        load_catalogue(open_dataset(arguments.dataset), chosen.config, terminal_progress(common)));
+    chosen.recognizer = make_recognizer(arguments.recognizer, load_catalogue(open_dataset(arguments.dataset),
+                                                                             chosen.config, terminal_progress(common)));
   }
   return chosen;
 }

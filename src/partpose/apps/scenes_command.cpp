@@ -101,7 +101,8 @@ void make_scenes(const ScenesArguments& arguments, const Common& common) {
     return;
   }
   if (arguments.models.empty()) throw Error("scenes: give the parts with --models");
-  std::vector<ScenePart> parts = scene_parts(arguments.models, common), unknown = scene_parts(arguments.unknown, common);
+  std::vector<ScenePart> parts = scene_parts(arguments.models, common),
+                         unknown = scene_parts(arguments.unknown, common);
   if (arguments.list_poses) {
     list_poses(parts, options.scene.resting_poses, arguments.json);
     return;
