@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "interruption.hpp"
 
+#include "partpose/io/file.hpp"
+
 #include <signal.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -15,10 +18,18 @@ std::atomic<int> signal_that_came = 0;
 std::atomic<int> unfinished = 0;
 static_assert(std::atomic<int>::is_always_lock_free);  // what a signal handler may touch
 
+/// Looks again in a moment while a file is between its temporary and its own name.
+void end_when_files_are_whole(int) {
+  if (files_being_written() == 0) _exit(128 + signal_that_came);
+  const itimerval moment{{0, 0}, {0, 10'000}};
+  setitimer(ITIMER_REAL, &moment, nullptr);
+}
+
 void on_signal(int number) {
   int none = 0;
   const bool first = signal_that_came.compare_exchange_strong(none, number);
-  if (!first || unfinished == 0) _exit(128 + number);
+  if (!first) _exit(128 + number);
+  if (unfinished == 0) end_when_files_are_whole(0);
 }
 
 }  // namespace
@@ -32,6 +43,10 @@ void handle_signals() {
     action.sa_flags = SA_RESTART;
     sigaction(number, &action, nullptr);
   }
+  struct sigaction again {};
+  again.sa_handler = end_when_files_are_whole;
+  again.sa_flags = SA_RESTART;
+  sigaction(SIGALRM, &again, nullptr);
 }
 
 void check_not_interrupted() {
