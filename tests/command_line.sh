@@ -483,6 +483,13 @@ if command -v python3 >/dev/null; then
   [ "$(wc -l <cut.jsonl)" -eq "$(grep -c '}$' cut.jsonl)" ] && [ "$(wc -l <cut.jsonl)" -lt 300 ] || fail "recognize: $(wc -l <cut.jsonl) lines, $(grep -c '}$' cut.jsonl) of them whole"
   interrupted "evaluate" SIGINT 130 'cut_evaluated/2*/result.json' evaluate --dataset dataset --test dataset --output cut_evaluated
   [ "$(ls -d cut_evaluated/2* | wc -l)" -eq "$(ls cut_evaluated/2*/evaluation_dataset.json | wc -l)" ] || fail "a half-written iteration folder"
+  for ms in 020 040 060 080 100 120 140 160 180 200 220 240 260 280 300; do
+    timeout -s INT 0.$ms "$partpose" -q report evaluated >/dev/null 2>&1
+    code=$?
+    [ $code -eq 0 ] || [ $code -eq 124 ] || fail "report interrupted after 0.$ms s: exit code $code"
+  done
+  [ -z "$(ls -A evaluated | grep tmp)" ] || fail "report interrupted: left behind $(ls -A evaluated | grep tmp)"
+  good "the report is whole" report evaluated
   rm -rf experiment
   interrupted "experiment" SIGINT 130 'experiment/frames.jsonl' experiment experiment.json -o experiment
   good "experiment goes on" experiment experiment.json -o experiment

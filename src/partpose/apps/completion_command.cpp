@@ -83,6 +83,17 @@ void append_commands(const CLI::App& app, const std::string& path, std::vector<C
     append_commands(*sub, path.empty() ? sub->get_name() : path + " " + sub->get_name(), commands);
 }
 
+/// Whether what follows is a configuration's key.
+bool takes_key(const CompletedOption& option) {
+  return option.names.back() == "--set" || option.names.back() == "--explain";
+}
+
+/// The arguments of `partpose config` that list the keys of a command's configuration; of `config` itself those of all.
+std::string keys_command(const std::string& path) {
+  const bool own = path == "dataset" || path == "scenes" || path == "experiment";
+  return "partpose config " + (path == "config" ? "" : own ? path + " " : "pipeline ") + "--keys 2>/dev/null";
+}
+
 std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
 /// Within '...' of any shell.
@@ -108,7 +119,7 @@ std::string bash_script(const std::vector<CompletedCommand>& commands) {
       else if (option.takes_value && option.names.back() == "--explain")
         values += fmt::format("    {}) _partpose_keys '' ''; return ;;\n", pattern);
       else if (option.takes_value)
-        values += fmt::format("    {}) COMPREPLY=($(compgen -f -- \"$word\")); return ;;\n", pattern);
+        values += fmt::format("    {}) _partpose_files; return ;;\n", pattern);
     }
     options += fmt::format("    \"{}\") options={} ;;\n", command.path, quoted(joined(own)));
     if (!command.words.empty())
@@ -121,6 +132,10 @@ _partpose_keys() {{
   case $1 in dataset|scenes|experiment) kind=$1 ;; config|'') kind= ;; esac
   [[ $2 ]] && compopt -o nospace
   COMPREPLY=($(compgen -S "$2" -W "$("${{COMP_WORDS[0]}}" config $kind --keys 2>/dev/null | grep -v '\[\]')" -- "$word"))
+}}
+_partpose_files() {{
+  compopt -o filenames
+  mapfile -t COMPREPLY < <(compgen -f -- "$word")
 }}
 _partpose() {{
   local word=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD - 1]}} path= try options= words= i
@@ -140,10 +155,10 @@ _partpose() {{
   elif [[ $words ]]; then
     COMPREPLY=($(compgen -W "$words" -- "$word"))
   else
-    COMPREPLY=($(compgen -f -- "$word"))
+    _partpose_files
   fi
 }}
-complete -o filenames -F _partpose partpose
+complete -F _partpose partpose
 )sh",
                      fmt::arg("names", names), fmt::arg("values", values), fmt::arg("options", options),
                      fmt::arg("words", words));
@@ -166,9 +181,12 @@ std::string zsh_script(const std::vector<CompletedCommand>& commands) {
     std::replace(name.begin(), name.end(), ' ', '_');
     std::string specifications;
     for (const auto& option : command.options) {
-      const std::string value = !option.takes_value     ? ""
-                                : option.values.empty() ? ":value:_files"
-                                                        : fmt::format(":value:({})", joined(option.values));
+      std::string value = !option.takes_value     ? ""
+                          : option.values.empty() ? ":value:_files"
+                                                  : fmt::format(":value:({})", joined(option.values));
+      if (takes_key(option))
+        value = fmt::format(":key:{{compadd -S \"{}\" -- ${{(f)\"$({})\"}}}}",
+                            option.names.back() == "--set" ? "=" : "", keys_command(command.path));
       for (const auto& spelled : option.names)
         specifications += " \\\n    " + quoted(fmt::format("*{}[{}]{}", spelled, zsh_text(option.help), value));
     }
@@ -233,6 +251,9 @@ std::string fish_script(const std::vector<CompletedCommand>& commands) {
         line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       if (option.takes_value) line += " -r";
       if (!option.values.empty()) line += " -f -a " + quoted(joined(option.values));
+      if (takes_key(option))
+        line += " -f -a " + quoted(fmt::format("({}{})", keys_command(command.path),
+                                               option.names.back() == "--set" ? " | string replace -r '$' =" : ""));
       out += line + " -d " + quoted(option.help) + "\n";
     }
     for (const auto& word : command.words) {
