@@ -51,7 +51,7 @@ camera='"width": 640, "height": 480, "fx": 615, "fy": 615, "cx": 319.5, "cy": 23
 echo "-- what works"
 good "version" --version
 good "help" --help
-for command in recognize dataset index evaluate captured scenes experiment sensor inspect symmetry ambiguity report; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
+for command in recognize view dataset index evaluate captured scenes experiment sensor inspect symmetry ambiguity report config completion; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
 good "recognize a frame" recognize --models parts --jsonl lines.jsonl --pictures pictures "$frame"
 grep -q '"model_name":"bracket"' lines.jsonl || fail "the bracket was not recognized: $(cat lines.jsonl)"
 for key in scene T_final match_distance icp_fitness time_ms; do grep -q "\"$key\":" lines.jsonl || fail "no $key in the JSON line"; done
@@ -133,15 +133,18 @@ if python3 "$root/tests/make_broken_cad.py" many >counts.txt; then
   # A build without Assimp reads fewer of the good ones, and says so.
   unread=0
   for file in many/good_*; do "$partpose" -q inspect $file >out.txt 2>err.txt || { unread=$((unread + 1)); grep -q PARTPOSE_WITH err.txt || fail "$file: $(cat err.txt)"; }; done
-  for command in "inspect many" "inspect many --json" "dataset --models many --config small.json --output many_set"; do
+  for command in "inspect many" "inspect many --json" "dataset --models many --config small.json --output many_set" "recognize --models many --jsonl many.jsonl $frame"; do
     checks=$((checks + 1))
     "$partpose" -q $command >out.txt 2>err.txt
     code=$?
     [ $code -eq 2 ] || fail "$command: exit code $code instead of 2"
     [ "$(wc -l <err.txt)" -eq $((broken_files + unread)) ] || fail "$command: $(wc -l <err.txt) lines for $((broken_files + unread)) broken files"
-    for file in many/[0-9]*; do grep -q "^partpose: $file: " err.txt || fail "$command: no line for $file"; done
+    for file in many/[0-9]*; do grep -q "^partpose: $file: ." err.txt || fail "$command: no line for $file"; done
+    ! grep -qi 'bad_alloc\|std::\|terminate\|segmentation\|crashed\|fault of partpose' err.txt || fail "$command: an unclear line: $(grep -i 'bad_alloc\|std::\|terminate\|segmentation\|crashed' err.txt)"
+    awk 'length > 300 { exit 1 }' err.txt || fail "$command: a line of more than 300 letters"
   done
   [ "$(ls many_set/models | wc -l)" -eq $((good_files - unread)) ] || fail "dataset: $(ls many_set/models | wc -l) parts of $((good_files - unread)) good files"
+  [ "$(wc -l <many.jsonl)" -eq 1 ] || fail "recognize: no line for the frame"
   grep -q '"name": "good_binary"' many_set/dataset.json || fail "dataset: the good parts are not used"
 fi
 good "inspect" inspect parts/link.stl --json
@@ -152,6 +155,10 @@ good "inspect and repair" inspect parts/link.stl --unit in --repair large.stl
 good "what was repaired" inspect large.stl --json
 grep -q '"warnings": \[\]' out.txt || fail "inspect of a repaired file: $(grep -A3 warnings out.txt)"
 bad "repair of several" "one part, there are 2" inspect parts --repair x.stl
+good "repair into a folder" inspect parts --repair repaired/
+good "what was repaired" inspect repaired
+[ "$(ls repaired | tr '\n' ' ')" = "bracket.stl link.stl " ] || fail "inspect --repair: $(ls repaired)"
+bad "repair over the files" "write over the file itself" inspect parts --repair parts/
 mkdir twice && cp parts/link.stl twice/ && printf 'OFF\n4 4 6\n0 0 0\n30 0 0\n0 40 0\n0 0 50\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n' >twice/link.off
 bad "two parts of one name" 'link.stl: another model is already named "link": .*link.off' dataset --models twice --output d4
 bad "chord tolerance" "must be positive" inspect parts/link.stl --chord-tolerance 0
@@ -273,6 +280,221 @@ bad "experiment without output" "--output" experiment experiment.json
 spec 's/"views": "small.json"/"views": "nowhere.json"/' && bad "experiment, no views" "nowhere.json" experiment e.json -o e1
 spec 's/\["parts"\]/["nowhere.stl"]/' && bad "experiment, no such part" "nowhere.stl" experiment e.json -o e1
 good "report of an experiment" report experiment
+
+echo "-- configurations, written and explained"
+for kind in pipeline dataset scenes experiment sensor camera; do
+  good "config $kind" config $kind -o default_$kind.json
+  grep -q '^ *// ' default_$kind.json || fail "config $kind explains nothing"
+  good "config $kind as JSON" config $kind --json
+  good "config $kind --keys" config $kind --keys
+  while read -r key; do
+    name=${key##*.}
+    grep -q "\"$name\"\|\.$name (" default_$kind.json || fail "config $kind: no $key"
+  done <out.txt
+done
+good "config, default kind" config && cmp -s out.txt default_pipeline.json || fail "config does not write the pipeline's"
+good "the written pipeline is read" recognize --dataset dataset --config default_pipeline.json --jsonl lines.jsonl dataset/models/0001/views/0007.pcd
+grep -q '"model_name":"link"' lines.jsonl || fail "the written pipeline recognizes nothing: $(cat lines.jsonl)"
+good "the written dataset is read" dataset --models parts --config default_dataset.json --set virtual_views_icosahedron.subdivide=0 --output written_set
+[ "$(ls written_set/models/0000/views | wc -l)" -eq 12 ] || fail "--set: $(ls written_set/models/0000/views | wc -l) views instead of 12"
+good "the written scenes are read" scenes --config default_scenes.json --print-config
+good "config of a file" config pipeline --config "$root/configs/pipeline_capture.json" --json
+grep -q '"scale_flag": true' out.txt || fail "config --config: the file's values are not there"
+grep -q '"crh_peaks": 4' out.txt || fail "config --config: the defaults are not filled in"
+good "explain" config --explain voxel_size
+[ "$(grep -c '^pipeline: [a-z_]*.voxel_size  (float, default: ' out.txt)" -eq 2 ] || fail "explain: $(cat out.txt)"
+good "explain a section" config pipeline --explain preprocessing
+grep -q 'preprocessing.xyz_limits  (6 x float' out.txt || fail "explain: $(cat out.txt)"
+good "explain as JSON" config --explain vfh.k_nn --json
+grep -q '"default": 6' out.txt || fail "explain --json: $(cat out.txt)"
+bad "explain, unknown key" 'did you mean "preprocessing.voxel_size" or "pose_refinement.voxel_size"' config --explain voxel_sise
+bad "config, unknown kind" 'did you mean "pipeline"' config pipelin
+bad "config of no file" "nowhere.json" config pipeline --config nowhere.json
+bad "config to nowhere" "cannot be written" config --output nowhere/c.json
+if command -v python3 >/dev/null; then
+  checks=$((checks + 1))
+  "$root/script/build_docs_configuration" --check "$partpose" >out.txt 2>&1 || fail "docs/: $(cat out.txt)"
+fi
+
+echo "-- overrides"
+good "set" index --dataset small --set vfh.k_nn=3 --set database.noise_levels_mm=0
+good "set a configuration's key" recognize --dataset dataset --config "$root/configs/pipeline_virtual.json" --set vfh.k_nn=2 --set debug.save_extras_json=true --output overridden dataset/models/0001/views/0007.pcd
+[ "$(grep -c '"view_id"' overridden/*/extras.json)" -eq 2 ] || fail "--set vfh.k_nn=2: $(grep -c '"view_id"' overridden/*/extras.json) candidates"
+good "set of evaluate" evaluate --dataset small --test small --set vfh.k_nn=1 --json
+grep -q '"frames": 24' out.txt || fail "evaluate --json: $(head -c 300 out.txt)"
+good "set of scenes" scenes --print-config --set scene.parts=2,3 --set sensor.model=none
+grep -A2 '"parts"' out.txt | grep -q 2 && grep -q '"model": "none"' out.txt || fail "scenes --set: $(head -c 300 out.txt)"
+good "set in config" config dataset --json --set tag=mine --set virtual_depth_camera.noise.stereo.baseline_mm=95
+grep -q '"tag": "mine"' out.txt && grep -q '"baseline_mm": 95.0' out.txt || fail "config --set: $(cat out.txt)"
+set_pipeline() { echo recognize --dataset dataset --config "$root/configs/pipeline_virtual.json" dataset/models/0001/views/0007.pcd --set; }
+bad "set, unknown key" 'set vfh.knn=3: unknown key "vfh.knn"; did you mean "vfh.k_nn"' $(set_pipeline) vfh.knn=3
+bad "set, key without its section" 'did you mean "preprocessing.scale_flag"' $(set_pipeline) scale_flg=true
+bad "set, wrong type" 'set vfh.k_nn=many: key "vfh.k_nn": expected a whole number, got string "many"' $(set_pipeline) vfh.k_nn=many
+bad "set, not a flag" 'expected true or false, got string "yes"' $(set_pipeline) preprocessing.scale_flag=yes
+bad "set, too few" 'expected an array of 6' $(set_pipeline) preprocessing.xyz_limits=0,1
+bad "set, out of range" 'set preprocessing.voxel_size=-1: .*voxel_size' $(set_pipeline) preprocessing.voxel_size=-1
+bad "set, unknown descriptor" 'did you mean "vfh"' $(set_pipeline) global_descriptor=vhf
+bad "set, no value" 'expected KEY=VALUE' $(set_pipeline) vfh.k_nn
+bad "set without a configuration" 'give one with --config' recognize --models parts --set vfh.k_nn=3 "$frame"
+bad "set of dataset" 'did you mean "virtual_views_icosahedron.subdivide"' dataset --models parts --output s2 --set virtual_views_icosahedron.subdivde=2
+bad "set of an experiment" 'did you mean "limit_mm"' experiment "$root/experiments/ground_truth.json" --output s2 --set limit_m=3
+[ ! -e s2 ] || fail "s2 was written"
+
+echo "-- recognizers"
+for recognizer in engine recognizer; do
+  good "$recognizer" recognize --models parts --recognizer $recognizer --json "$frame"
+  [ "$(wc -l <out.txt)" -eq 1 ] || fail "recognize --json: $(wc -l <out.txt) lines"
+  grep -q '"model_name":"bracket"' out.txt || fail "$recognizer: $(head -c 300 out.txt)"
+  grep -q '"detections":\[{"model_name":"bracket","T":\[\[.*"score":' out.txt || fail "$recognizer lists no detections: $(head -c 300 out.txt)"
+  good "captured by the $recognizer" captured "$root/scenes" --models "$root/parts" --kind instance --recognizer $recognizer --json
+  grep -q '"pose_right"' out.txt || fail "captured --json: $(head -c 300 out.txt)"
+done
+bad "unknown recognizer" "magic" recognize --models parts --recognizer magic "$frame"
+bad "recognizer and configuration" "exclude" recognize --dataset dataset --config clouds.json --recognizer engine s.pcd
+bad "lines twice" "give one of them" recognize --models parts --json --jsonl lines.jsonl "$frame"
+"$partpose" recognize --models parts "$frame" >out.txt 2>err.txt
+grep -q 'bracket.png: bracket, score 0.[0-9]*.* ms)$' out.txt || fail "recognize, in words: $(cat out.txt)"
+
+echo "-- JSON of the other commands"
+good "dataset --json" dataset --models parts --config small.json --output small_again --json && grep -q '"views": 12' out.txt || fail "dataset --json: $(cat out.txt)"
+good "index --json" index --dataset small_again --json && grep -q '"global_descriptor": "vfh"' out.txt || fail "index --json: $(cat out.txt)"
+good "scenes --json" scenes --models parts --frames 1 --config scenes.json --output drawn_json --json && grep -q '"frames": 1' out.txt || fail "scenes --json: $(cat out.txt)"
+good "resting poses --json" scenes --models parts --list-poses --json && grep -q '"table_from_model"' out.txt || fail "scenes --list-poses --json"
+good "ambiguity --json" ambiguity parts/bracket.stl --camera "$root/scenes/bracket.camera.json" --subdivide 0 --json && grep -q '"pose_ambiguous"' out.txt || fail "ambiguity --json: $(cat out.txt)"
+good "report --json" report iterations --json && grep -q '"frames"' out.txt || fail "report --json: $(cat out.txt)"
+good "bop score --json" bop score "$golden" "$golden/$results" --image-width 640 --json && grep -q '"bop19_average_recall_mssd"' out.txt || fail "bop score --json: $(head -c 300 out.txt)"
+good "experiment --json" experiment experiment.json -o experiment --json && grep -q '"correct"' out.txt || fail "experiment --json: $(head -c 300 out.txt)"
+if command -v python3 >/dev/null; then
+  for command in "dataset --models parts --config small.json --output small_again" "evaluate --dataset small --test small" "inspect parts" "symmetry parts" "report iterations" "view iterations/$(ls iterations | grep -v meshes | grep -v report | head -n 1) --no-open"; do
+    good "$command --json" $command --json
+    python3 -c 'import json, sys; json.load(sys.stdin)' <out.txt || fail "$command --json is not one JSON document: $(head -c 300 out.txt)"
+  done
+fi
+
+echo "-- a page of one frame"
+mkdir -p desktop
+printf '#!/bin/sh\necho "$1" >"%s/opened.txt"\n' "$work" >desktop/xdg-open && chmod +x desktop/xdg-open
+DISPLAY= WAYLAND_DISPLAY= good "view without a display" view --models parts "$frame"
+[ "$(stat -c %s bracket.report.html)" -gt 500000 ] || fail "view: the page is too small"
+grep -q '^bracket.report.html: open it' out.txt || fail "view says: $(cat out.txt)"
+[ ! -e opened.txt ] || fail "view opened a page without a display"
+PATH="$work/desktop:$PATH" DISPLAY=:7 good "view with a display" view --models parts --output seen.html "$frame"
+[ "$(cat opened.txt)" = "$work/seen.html" ] || fail "view opened: $(cat opened.txt)"
+rm opened.txt
+PATH="$work/desktop:$PATH" DISPLAY=:7 good "view --no-open" view --models parts --no-open --json "$frame"
+[ ! -e opened.txt ] || fail "view --no-open opened a page"
+grep -q '"report": "bracket.report.html"' out.txt || fail "view --json: $(tail -c 300 out.txt)"
+good "view by configuration" view --dataset dataset --config default_pipeline.json --no-open -o why.html dataset/models/0001/views/0007.pcd
+[ -s why.html ] || fail "view wrote no page"
+[ -z "$(ls -d "${TMPDIR:-/tmp}"/partpose-view-* 2>/dev/null)" ] || fail "view leaves a temporary folder"
+bad "view of nothing" "nowhere.png" view --models parts nowhere.png
+bad "view of many" "has no result.json" view evaluated
+bad "view to nowhere" "cannot be written" view --models parts -o nowhere/page.html --no-open "$frame"
+
+echo "-- terminals, logs and shells"
+"$partpose" -v recognize --models parts "$frame" >out.txt 2>err.txt || fail "-v: exit code $?"
+grep -q ' ms  ' err.txt && grep -q 'link.stl: link, ' err.txt || fail "-v says: $(cat err.txt)"
+bad "quiet and verbose" "excludes" -v recognize --models parts "$frame"
+coloured() { grep -q "$(printf '\033')\[" "$1"; }
+"$partpose" recognize --models nowhere "$frame" >out.txt 2>err.txt
+! coloured err.txt || fail "colours in a log"
+if command -v script >/dev/null; then
+  on_terminal() { checks=$((checks + 1)); script -qec "$*" /dev/null </dev/null >typescript.txt 2>&1; }
+  export TERM=xterm
+  on_terminal "$partpose" recognize --models nowhere "$frame"
+  coloured typescript.txt || fail "no colours on a terminal"
+  NO_COLOR=1 on_terminal "$partpose" inspect parts nowhere.stl
+  ! grep -q "$(printf '\033')\[3" typescript.txt || fail "colours in spite of NO_COLOR"
+  TERM=dumb on_terminal "$partpose" recognize --models nowhere "$frame"
+  ! coloured typescript.txt || fail "colours on a dumb terminal"
+  on_terminal "$partpose" dataset --models parts --config small.json --output small_again
+  grep -q '\[==* *\] [0-9]*/' typescript.txt || fail "no progress bar on a terminal: $(head -c 300 typescript.txt)"
+  on_terminal "$partpose" -q dataset --models parts --config small.json --output small_again
+  ! grep -q '\[=' typescript.txt || fail "a progress bar with --quiet"
+fi
+for shell in bash zsh fish; do
+  good "completion $shell" completion $shell
+  cp out.txt completion.$shell
+  for word in recognize experiment --models --chord-tolerance; do grep -q -- "${word#--}" completion.$shell || fail "completion $shell: no $word"; done
+  if command -v $shell >/dev/null; then $shell -n completion.$shell || fail "completion $shell: not valid"; fi
+done
+complete_as() { # complete_as EXPECTED WORD...: what bash offers for the last word
+  local expected=$1
+  shift
+  checks=$((checks + 1))
+  (
+    source completion.bash
+    compopt() { :; }
+    COMP_WORDS=("$partpose" "$@") COMP_CWORD=$#
+    _partpose
+    printf '%s\n' "${COMPREPLY[@]}"
+  ) >out.txt 2>err.txt
+  grep -qx -- "$expected" out.txt || fail "completion of '$*': '$expected' is not in: $(tr '\n' ' ' <out.txt | head -c 300) $(cat err.txt)"
+}
+complete_as recognize reco
+complete_as score bop sc
+complete_as --models recognize --mo
+complete_as --threads recognize --th
+complete_as engine recognize --recognizer en
+complete_as zsh completion z
+complete_as dataset config da
+complete_as vfh.k_nn= recognize --set vfh.k
+complete_as virtual_views_icosahedron.subdivide= dataset -s virtual_views
+complete_as preprocessing.voxel_size config --explain preprocessing.vox
+complete_as small.json dataset --config sma
+bad "completion of another shell" "tcsh" completion tcsh
+
+echo "-- interrupted"
+# interrupted NAME SIGNAL EXIT_CODE GLOB COMMAND...: the signal comes as soon as GLOB matches something
+interrupted() {
+  checks=$((checks + 1))
+  python3 - "$partpose" "$@" <<'PYTHON' || fail "interrupted $1: $(cat err.txt)"
+import glob, signal, subprocess, sys, time
+program, name, number, code, pattern, *command = sys.argv[1:]
+with open("err.txt", "w") as err:
+    process = subprocess.Popen([program, "-q", *command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: [signal.signal(s, signal.SIG_DFL) for s in (signal.SIGINT, signal.SIGTERM)])
+    until = time.time() + 60
+    while not glob.glob(pattern) and process.poll() is None and time.time() < until:
+        time.sleep(0.002)
+    process.send_signal(getattr(signal, number))
+    said = process.communicate(timeout=60)[1]
+    if process.returncode != int(code):
+        err.write(f"exit code {process.returncode} instead of {code}: {said}")
+        sys.exit(1)
+    if said not in ("", "partpose: interrupted\n"):
+        err.write("said " + said)
+        sys.exit(1)
+PYTHON
+}
+if command -v python3 >/dev/null; then
+  many_views="--set virtual_views_icosahedron.subdivide=3"
+  interrupted "dataset" SIGINT 130 'cut.partial-*' dataset --models parts $many_views --output cut
+  interrupted "dataset's views" SIGTERM 143 'cut.partial-*/models/0000/views/*' dataset --models parts $many_views --output cut
+  interrupted "scenes" SIGINT 130 'cut.partial-*/test/000001/depth/*' scenes --models parts --frames 1000 --output cut
+  interrupted "catalogue" SIGINT 130 'cut_cache/*.partial-*' recognize --models parts --cache cut_cache "$frame"
+  [ -z "$(ls -d cut* | grep -v '^cut_cache$')" ] && [ -z "$(ls -A cut_cache)" ] || fail "left behind: $(ls -d cut* cut_cache/*)"
+  cp small/dataset.json before.json
+  interrupted "dataset in an older one's place" SIGINT 130 'small.partial-*/models/0000/views/*' dataset --models parts $many_views --output small
+  cmp -s small/dataset.json before.json || fail "the older dataset is lost"
+  frames=() && for i in $(seq 300); do frames+=("$frame"); done
+  interrupted "recognize" SIGINT 130 'cut_frames/2*/result.json' recognize --models parts --output cut_frames --jsonl cut.jsonl "${frames[@]}"
+  [ "$(ls -d cut_frames/2* | wc -l)" -eq "$(ls cut_frames/2*/result.json | wc -l)" ] || fail "a half-written iteration folder"
+  [ "$(wc -l <cut.jsonl)" -eq "$(grep -c '}$' cut.jsonl)" ] && [ "$(wc -l <cut.jsonl)" -lt 300 ] || fail "recognize: $(wc -l <cut.jsonl) lines, $(grep -c '}$' cut.jsonl) of them whole"
+  interrupted "evaluate" SIGINT 130 'cut_evaluated/2*/result.json' evaluate --dataset dataset --test dataset --output cut_evaluated
+  [ "$(ls -d cut_evaluated/2* | wc -l)" -eq "$(ls cut_evaluated/2*/evaluation_dataset.json | wc -l)" ] || fail "a half-written iteration folder"
+  for ms in 020 040 060 080 100 120 140 160 180 200 220 240 260 280 300; do
+    timeout -s INT 0.$ms "$partpose" -q report evaluated >/dev/null 2>&1
+    code=$?
+    [ $code -eq 0 ] || [ $code -eq 124 ] || fail "report interrupted after 0.$ms s: exit code $code"
+  done
+  [ -z "$(ls -A evaluated | grep tmp)" ] || fail "report interrupted: left behind $(ls -A evaluated | grep tmp)"
+  good "the report is whole" report evaluated
+  rm -rf experiment
+  interrupted "experiment" SIGINT 130 'experiment/frames.jsonl' experiment experiment.json -o experiment
+  good "experiment goes on" experiment experiment.json -o experiment
+  [ "$(grep -c '}$' experiment/frames.jsonl)" -eq 24 ] || fail "experiment: $(grep -c '}$' experiment/frames.jsonl) frames instead of 24"
+fi
 
 echo "-- bad usage"
 bad "no command" "subcommand" 

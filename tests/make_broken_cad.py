@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 partpose contributors
 # SPDX-License-Identifier: Apache-2.0
-"""make_broken_cad.py FOLDER: 31 model files that cannot be used, of all formats, and 7 good ones among them.
+"""make_broken_cad.py FOLDER: 45 model files that cannot be used, of all formats, and 7 good ones among them.
 
 The good ones, a block of 20 x 30 x 40 mm each, are named good_*. Prints how many are broken and how many good.
 """
@@ -68,6 +68,17 @@ def write_3mf(path, model, name="3D/3dmodel.model"):
                          f'package/2006/relationships"><Relationship Target="/{name}" Id="rel0" Type="http://schemas.'
                          'microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>')
         archive.writestr(name, model)
+
+
+def say_size(path, size):
+    """Both places of the archive where the sizes of its files stand say that each will be so large."""
+    archive = bytearray(path.read_bytes())
+    for signature, offset in ((b"PK\x03\x04", 22), (b"PK\x01\x02", 24)):
+        at = archive.find(signature)
+        while at >= 0:
+            archive[at + offset:at + offset + 4] = struct.pack("<I", size)
+            at = archive.find(signature, at + 4)
+    path.write_bytes(archive)
 
 
 def glb(scale=1e-3, buffer_bytes=None, indices=None):
@@ -143,10 +154,25 @@ def main():
         "27_truncated.glb": glb()[:-100],
         "28_index_beyond.glb": glb(indices=[0, 1, 60000]),
         "29_no_archive.3mf": "PK, it says, but it is no archive",
+        "32_header_lies.ply": ply().replace("format ascii", "format binary_little_endian"),
+        "33_fewer_faces_than_it_says.ply": ply().replace(f"element face {len(TRIANGLES)}", "element face 4000"),
+        "34_no_header_end.ply": ply().split("end_header")[0],
+        "35_index_beyond.ply": ply(faces=[(0, 1, 99)]),
+        "36_stl_in_disguise.ply": whole,
+        "37_ply_in_disguise.stl": ply(),
+        "38_absurd_size.obj": obj(vertices=[(1e30, 0, 0)] + CUBE[1:]),
+        "39_infinite.off": off(vertices=[("inf", 0, 0)] + CUBE[1:]),
+        "40_all_in_one_point.stl": binary_stl(vertices=[(5, 5, 5)] * 8),
+        "41_zeros.step": b"\0" * 4096,
+        "42_binary_noise.3mf": bytes((37 * i * i + 11 * i) % 251 for i in range(4096)),
+        "43_not_even_json.gltf": "{ \"asset\": { \"version\": ",
     }
     for name, content in files.items():
         (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
     write_3mf(folder / "30_unknown_unit.3mf", model_3mf(unit="cubit"))
+    write_3mf(folder / "44_bomb.3mf", model_3mf())
+    say_size(folder / "44_bomb.3mf", 4_000_000_000)
+    (folder / "45_cut_in_a_number.stl").write_text(ascii_stl()[:-len("endloop\nendfacet\nendsolid cube\n") - 3])
     write_3mf(folder / "good_3mf.3mf", model_3mf())
     link = folder / "31_link_to_nowhere.stl"
     link.unlink(missing_ok=True)

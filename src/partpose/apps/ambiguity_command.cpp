@@ -27,6 +27,7 @@ struct AmbiguityArguments {
   std::vector<fs::path> models;
   MeshReadOptions reading;
   fs::path camera, jsonl;
+  bool json = false;
   IcosahedronOptions views;
   AmbiguitySearch::Options options;
 };
@@ -42,7 +43,7 @@ void list(const AmbiguityArguments& arguments, const Common& common) {
   const auto pose_of = [&](std::size_t part, std::size_t view) {
     return Eigen::Isometry3d(views[view].T2 * centred_from_model(parts[part].mesh));
   };
-  const Progress progress = terminal_progress(common.quiet);
+  const Progress progress = terminal_progress(common);
   std::mutex progress_mutex;
   std::size_t done = 0;
   parallel_for(found.size(), [&](std::size_t i) {
@@ -53,8 +54,10 @@ void list(const AmbiguityArguments& arguments, const Common& common) {
 
   std::optional<std::ofstream> jsonl;
   if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
-  fmt::print("{:<24} {:>6} {:>15} {:>11}  {}\n", "part", "views", "pose ambiguous", "most poses",
-             "views like another part");
+  Json all = Json::object();
+  if (!arguments.json)
+    fmt::print("{:<24} {:>6} {:>15} {:>11}  {}\n", "part", "views", "pose ambiguous", "most poses",
+               "views like another part");
   for (std::size_t p = 0; p < parts.size(); ++p) {
     int ambiguous = 0, most = 0;
     std::map<std::string, int> others;
@@ -79,11 +82,19 @@ void list(const AmbiguityArguments& arguments, const Common& common) {
       most = std::max(most, own);
       for (const auto& [name, one] : here) others[name] += one;
     }
+    if (arguments.json) {
+      all[parts[p].name] = {{"views", views.size()},
+                            {"pose_ambiguous", ambiguous},
+                            {"most_poses", most},
+                            {"views_like_another_part", others}};
+      continue;
+    }
     std::string text;
     for (const auto& [name, count] : others) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count);
     fmt::print("{:<24} {:>6} {:>8} ({:3.0f} %) {:>11}  {}\n", parts[p].name, views.size(), ambiguous,
                100.0 * ambiguous / static_cast<double>(views.size()), most, text);
   }
+  if (arguments.json) print_json(all);
 }
 
 }  // namespace
@@ -105,6 +116,7 @@ void add_ambiguity_command(CLI::App& app, const Common& common) {
   ambiguity->add_option("--baseline", noise.baseline_mm, "Of the stereo camera [mm]")->capture_default_str();
   ambiguity->add_option("--noise-floor", noise.floor_mm, "Standard deviation of the depth at any distance [mm]")
       ->capture_default_str();
+  ambiguity->add_flag("--json", arguments->json, "Print the table as JSON");
   ambiguity->add_option("--jsonl", arguments->jsonl, "Write each pose found as a line of JSON (-: standard output)");
   ambiguity->footer(
       "Example:\n  partpose ambiguity parts/keyed_shaft.stl parts/link.stl --camera scenes/link.camera.json");

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
+#include "interruption.hpp"
 #include "output.hpp"
+#include "recognizer_choice.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
-#include "partpose/engine/engine.hpp"
 #include "partpose/evaluation/bop_recognition.hpp"
 #include "partpose/evaluation/bop_score.hpp"
 #include "partpose/io/json.hpp"
@@ -26,8 +26,9 @@ namespace fs = std::filesystem;
 struct BopRecognizeArguments {
   fs::path dataset, output, cache;
   std::string split = "test";
-  std::string recognizer = "recognizer";
+  std::string recognizer = default_recognizer;
   std::optional<float> min_score;
+  bool json = false;
 };
 
 struct BopScoreArguments {
@@ -45,24 +46,23 @@ std::size_t images_of(const BopDataset& dataset) {
 
 void recognize(const BopRecognizeArguments& arguments, const Common& common) {
   const BopDataset dataset = read_bop_dataset(arguments.dataset, arguments.split);
-  RecognizerOptions options;
-  EngineOptions engine_options;
-  options.min_score = arguments.min_score.value_or(options.min_score);
-  engine_options.min_score = arguments.min_score.value_or(engine_options.min_score);
-  const auto progress = terminal_progress(common.quiet);
+  const float min_score = arguments.min_score.value_or(default_min_score(arguments.recognizer));
+  const auto progress = terminal_progress(common);
+  const Unfinished half_written;
   Catalogue catalogue =
       bop_catalogue(dataset, arguments.cache.empty() ? default_cache_folder() : arguments.cache, progress);
-  std::unique_ptr<PartRecognizer> recognizer;
-  if (arguments.recognizer == "engine")
-    recognizer = std::make_unique<Engine>(std::move(catalogue), engine_options);
-  else
-    recognizer = std::make_unique<Recognizer>(std::move(catalogue), options);
-  const auto estimates = recognize_bop(
-      dataset, *recognizer, arguments.recognizer == "engine" ? engine_options.min_score : options.min_score, progress);
+  const auto recognizer = make_recognizer(arguments.recognizer, std::move(catalogue), min_score);
+  const auto estimates = recognize_bop(dataset, *recognizer, min_score, progress);
   write_bop_results(arguments.output, estimates);
-  if (common.quiet) return;
   int wanted = 0;
   for (const auto& t : dataset.targets) wanted += t.inst_count;
+  if (arguments.json)
+    print_json({{"output", arguments.output.string()},
+                {"instances", wanted},
+                {"recognized", estimates.size()},
+                {"images", images_of(dataset)},
+                {"average_time_s", std::max(bop_average_time_s(estimates), 0.0)}});
+  if (common.quiet || arguments.json) return;
   fmt::print("{} of {} instances recognized in {} images, {:.2f} s for each that shows one; written to {}\n",
              estimates.size(), wanted, images_of(dataset), std::max(bop_average_time_s(estimates), 0.0),
              arguments.output.string());
@@ -105,7 +105,7 @@ void score(BopScoreArguments arguments, const Common& common) {
   const BopDataset dataset = read_bop_dataset(arguments.dataset, arguments.split);
   const auto estimates = read_bop_results(arguments.results);
   arguments.options.vsd = !arguments.no_vsd;
-  const BopScores scores = score_bop(dataset, estimates, arguments.options, terminal_progress(common.quiet));
+  const BopScores scores = score_bop(dataset, estimates, arguments.options, terminal_progress(common));
   std::vector<int> obj_ids;
   for (const auto& [id, recall] : scores.mssd.obj_recall) obj_ids.push_back(id);
   if (!arguments.json.empty()) {
@@ -155,10 +155,8 @@ void add_bop_commands(CLI::App& app, const Common& common) {
       ->required();
   recognize_command->add_option("--min-score", recognize_arguments->min_score,
                                 "A candidate below is not believed, 0 to 1 (default: the recognizer's own)");
-  recognize_command
-      ->add_option("--recognizer", recognize_arguments->recognizer, "What recognizes the parts: recognizer or engine")
-      ->check(CLI::IsMember({"recognizer", "engine"}))
-      ->capture_default_str();
+  add_recognizer_option(*recognize_command, recognize_arguments->recognizer);
+  recognize_command->add_flag("--json", recognize_arguments->json, "Print the counts as JSON");
   recognize_command->add_option("--cache", recognize_arguments->cache,
                                 "Where catalogues of the models are kept (default: ~/.cache/partpose)");
   recognize_command->footer("Example:\n  partpose bop recognize toy/ --split test --output partpose_toy-test.csv");
@@ -171,7 +169,10 @@ void add_bop_commands(CLI::App& app, const Common& common) {
       ->required();
   score_command->add_option("results", score_arguments->results, "Results file, of whatever program")->required();
   score_command->add_option("--split", score_arguments->split, "Folder of the scenes")->capture_default_str();
-  score_command->add_option("--json", score_arguments->json, "Write the scores here (-: standard output)");
+  score_command->add_option("--json", score_arguments->json, "Write the scores here (-, or no FILE: standard output)")
+      ->type_name("[FILE]")
+      ->expected(0, 1)
+      ->default_str("-");
   score_command
       ->add_option("--vsd-delta", score_arguments->options.vsd_delta_mm,
                    "mm behind the measured surface where a pose still counts as visible (ITODD: 5)")

@@ -1,18 +1,17 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "interruption.hpp"
 #include "output.hpp"
-#include "parts.hpp"
 #include "recognition_output.hpp"
+#include "recognizer_choice.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/text.hpp"
-#include "partpose/engine/engine.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/io/png.hpp"
 #include "partpose/io/scene.hpp"
-#include "partpose/pipeline/catalogue_cache.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/pipeline/recognizer.hpp"
 
@@ -32,7 +31,8 @@ namespace fs = std::filesystem;
 struct CapturedArguments {
   fs::path set, models, cache, jsonl, output, pictures;
   std::vector<std::string> kinds;
-  std::string recognizer = "recognizer";
+  std::string recognizer = default_recognizer;
+  bool json = false;
   double limit_deg = 15;
   double limit_mm = 15;
 };
@@ -40,6 +40,12 @@ struct CapturedArguments {
 struct Count {
   int frames = 0, right = 0, wrong = 0, none = 0, pose_right = 0;
   std::vector<double> ms;
+
+  double median_ms() const {
+    std::vector<double> sorted = ms;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[sorted.size() / 2];
+  }
 };
 
 /// What one frame gave, in a few words, and into the count.
@@ -104,19 +110,21 @@ void check_models_are_known(const CapturedSet& set, const Catalogue& catalogue) 
                   nearest_word(scene.model_name, names));
 }
 
-std::unique_ptr<PartRecognizer> make_recognizer(const std::string& name, Catalogue catalogue) {
-  if (name == "engine") return std::make_unique<Engine>(std::move(catalogue));
-  return std::make_unique<Recognizer>(std::move(catalogue));
+/// {"frames": [...], "kinds": {KIND: {"frames": n, "right": n, ...}}}
+Json json_of(Json lines, const std::map<std::string, Count>& count_of_kind) {
+  Json all = {{"frames", std::move(lines)}, {"kinds", Json::object()}};
+  for (const auto& [kind, count] : count_of_kind)
+    all["kinds"][kind] = {{"frames", count.frames}, {"right", count.right},           {"wrong", count.wrong},
+                          {"none", count.none},     {"pose_right", count.pose_right}, {"median_ms", count.median_ms()}};
+  return all;
 }
 
 void evaluate_captured(const CapturedArguments& arguments, const Common& common) {
   const CapturedSet set = read_captured_set(arguments.set);
-  Catalogue catalogue = cached_catalogue(
-      read_parts({arguments.models.empty() ? arguments.set / "models" : arguments.models}, {}, common),
-      DatasetPreparationConfig{}, Recognizer::catalogue_config(),
-      arguments.cache.empty() ? default_cache_folder() : arguments.cache, terminal_progress(common.quiet));
-  const std::unique_ptr<PartRecognizer> chosen = make_recognizer(arguments.recognizer, std::move(catalogue));
+  const auto parts = read_parts({arguments.models.empty() ? arguments.set / "models" : arguments.models}, {}, common);
+  const auto chosen = make_recognizer(arguments.recognizer, kept_catalogue(parts, arguments.cache, common));
   const PartRecognizer& recognizer = *chosen;
+  const Unfinished frame;  // each is finished before a signal counts
   std::optional<std::ofstream> jsonl;
   if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
   if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
@@ -124,29 +132,38 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
   PictureNames picture_names(arguments.pictures);
   check_models_are_known(set, recognizer.catalogue());
   std::map<std::string, Count> count_of_kind;
+  Json lines = Json::array();
   for (const auto& truth : set.scenes) {
     if (!arguments.kinds.empty() &&
         std::find(arguments.kinds.begin(), arguments.kinds.end(), truth.kind) == arguments.kinds.end())
       continue;
+    check_not_interrupted();
     const Scene scene = read_scene(truth.path);
     const Recognition recognition = named_after(truth.path, [&] { return recognizer.recognize(scene); });
-    Json line = line_of(truth.path, recognition);
+    Json line = line_of(truth.path, recognition, recognizer.catalogue());
     const std::string verdict =
         judge(recognition, truth, set, recognizer.catalogue(), arguments, count_of_kind[truth.kind], line);
-    fmt::print("{:<32} {:5.0f} ms  {}\n", truth.path.filename().string(), recognition.total_ms(), verdict);
-    if (!common.quiet && recognition.accepted >= 0) print_pose(recognition.result.T_final);
-    if (jsonl) *jsonl << json_line(line) << '\n';
+    if (!arguments.json) {
+      fmt::print("{:<32} {:5.0f} ms  {}\n", truth.path.filename().string(), recognition.total_ms(),
+                 coloured(stdout, verdict.starts_with("right") ? Colour::green : Colour::red, verdict));
+      if (!common.quiet && recognition.accepted >= 0) print_pose(recognition.result.T_final);
+    }
+    if (jsonl) *jsonl << json_line(line) << std::endl;
     if (!arguments.output.empty())
       write_frame(arguments.output, recognition, scene, truth, line, recognizer.catalogue());
     if (!arguments.pictures.empty())
       write_png(picture_names.next(truth.path), picture_of(scene, recognition, recognizer.catalogue()));
+    if (arguments.json) lines.push_back(std::move(line));
+  }
+  if (arguments.json) {
+    print_json(json_of(std::move(lines), count_of_kind));
+    return;
   }
   fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10}\n", "kind", "frames", "right", "wrong", "none", "pose right",
              "median ms");
   for (auto& [kind, count] : count_of_kind) {
-    std::sort(count.ms.begin(), count.ms.end());
     fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10.0f}\n", kind, count.frames, count.right, count.wrong,
-               count.none, count.pose_right, count.ms[count.ms.size() / 2]);
+               count.none, count.pose_right, count.median_ms());
   }
   fmt::print("pose right: within {} deg and {} mm of the truth or of a pose that is equivalent by symmetry\n",
              arguments.limit_deg, arguments.limit_mm);
@@ -164,15 +181,14 @@ void add_captured_command(CLI::App& app, const Common& common) {
       ->add_option("--kind", arguments->kinds,
                    "Only scenes of this kind (object_only, with_table, full_frame, instance)")
       ->allow_extra_args(false);
+  captured->add_flag("--json", arguments->json, "Print it all as JSON");
   captured->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here");
   captured->add_option(
       "-o,--output", arguments->output,
       "Write an iteration output folder for each scene here, with evaluation.json in it (partpose report)");
   captured->add_option("--pictures", arguments->pictures,
                        "Write a picture of each scene with the part drawn over it here");
-  captured->add_option("--recognizer", arguments->recognizer, "What recognizes the parts: recognizer or engine")
-      ->check(CLI::IsMember({"recognizer", "engine"}))
-      ->capture_default_str();
+  add_recognizer_option(*captured, arguments->recognizer);
   captured->add_option("--cache", arguments->cache, "Where catalogues are kept (default: ~/.cache/partpose)");
   captured->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")
       ->capture_default_str();

@@ -1,6 +1,10 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "config_keys.hpp"
+#include "interruption.hpp"
+#include "output.hpp"
 #include "parts.hpp"
+#include "recognizer_choice.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
@@ -26,6 +30,8 @@ struct DatasetArguments {
   fs::path model_list;
   fs::path config;
   fs::path output;
+  std::vector<std::string> overrides;
+  bool json = false;
 };
 
 void make_dataset(const DatasetArguments& arguments, const Common& common) {
@@ -35,14 +41,23 @@ void make_dataset(const DatasetArguments& arguments, const Common& common) {
     paths.insert(paths.end(), listed.begin(), listed.end());
   }
   if (paths.empty()) throw Error("dataset: give the parts with --models or --model-list");
-  const auto config = arguments.config.empty() ? DatasetPreparationConfig{}
-                                               : read_dataset_config(arguments.config);
+  auto config = arguments.config.empty() ? DatasetPreparationConfig{} : read_dataset_config(arguments.config);
+  apply_overrides(config, arguments.overrides);
   const Stopwatch watch;
   const auto parts = read_parts(paths, arguments.reading, common);
-  const Dataset dataset = create_dataset(config, parts, arguments.output, terminal_progress(common.quiet));
-  if (!common.quiet)
+  const Unfinished half_written;
+  const Dataset dataset = create_dataset(config, parts, arguments.output, terminal_progress(common));
+  if (arguments.json) {
+    Json names = Json::array();
+    for (const auto& model : dataset.out.models) names.push_back(model.name);
+    print_json({{"dataset", arguments.output.string()},
+                {"parts", names},
+                {"views", dataset.out.views.size()},
+                {"time_s", watch.elapsed_ms() / 1000}});
+  } else if (!common.quiet) {
     fmt::print("{}: {} parts x {} views in {:.2f} s\n", arguments.output.string(), dataset.out.models.size(),
                dataset.out.views.size(), watch.elapsed_ms() / 1000);
+  }
 }
 
 }  // namespace
@@ -54,26 +69,45 @@ void add_dataset_commands(CLI::App& app, const Common& common) {
   add_reading_options(*dataset, arguments->reading);
   dataset->add_option("--model-list", arguments->model_list, "JSON with \"model_paths\", relative to its own folder");
   dataset->add_option("-c,--config", arguments->config, "Dataset preparation JSON (default: 42 views from 650 mm)");
-  dataset->add_option("-o,--output", arguments->output, "Folder to write; an older dataset there is replaced")->required();
-  dataset->footer("Example:\n  partpose dataset --models parts/ --config configs/dataset_ground_truth.json --output dataset/");
+  add_set_option(*dataset, arguments->overrides);
+  dataset->add_flag("--json", arguments->json, "Print what was made as JSON");
+  dataset->add_option("-o,--output", arguments->output, "Folder to write; an older dataset there is replaced")
+      ->required();
+  dataset->footer(
+      "Examples:\n"
+      "  partpose dataset --models parts/ --config configs/dataset_ground_truth.json --output dataset/\n"
+      "  partpose dataset --models parts/ --set virtual_views_icosahedron.subdivide=2 --output dataset/\n"
+      "Interrupted, it leaves nothing: the dataset appears when it is whole.");
   dataset->callback([arguments, &common] { make_dataset(*arguments, common); });
 
   struct IndexArguments {
     fs::path dataset, config;
+    std::vector<std::string> overrides;
+    bool json = false;
   };
   auto index_arguments = std::make_shared<IndexArguments>();
   auto* index = app.add_subcommand("index", "Compute the descriptors of a dataset's views (the offline stage)");
   index->add_option("-d,--dataset", index_arguments->dataset, "Dataset folder")->required();
-  index->add_option("-c,--config", index_arguments->config, "Pipeline JSON (default: configs/pipeline_virtual.json's values)");
-  index->footer("Example:\n  partpose index --dataset dataset/ --config configs/pipeline_virtual.json\n"
-                "Descriptors are kept in the dataset and used again until something that they depend on changes.");
+  index->add_option("-c,--config", index_arguments->config,
+                    "Pipeline JSON (default: configs/pipeline_virtual.json's values)");
+  add_set_option(*index, index_arguments->overrides);
+  index->add_flag("--json", index_arguments->json, "Print what was made as JSON");
+  index->footer(
+      "Example:\n  partpose index --dataset dataset/ --config configs/pipeline_virtual.json\n"
+      "Descriptors are kept in the dataset and used again until something that they depend on changes.");
   index->callback([index_arguments, &common] {
-    const auto config = index_arguments->config.empty() ? GlobalPipelineConfig{}
-                                                        : read_pipeline_config(index_arguments->config);
+    const auto config = pipeline_config(index_arguments->config, index_arguments->overrides);
     const Stopwatch watch;
+    const Unfinished half_written;
     const Catalogue catalogue =
-        load_catalogue(open_dataset(index_arguments->dataset), config, terminal_progress(common.quiet));
-    if (!common.quiet)
+        load_catalogue(open_dataset(index_arguments->dataset), config, terminal_progress(common));
+    if (index_arguments->json)
+      print_json({{"dataset", index_arguments->dataset.string()},
+                  {"global_descriptor", config.global_descriptor},
+                  {"descriptors", catalogue.index.size()},
+                  {"parts", catalogue.parts.size()},
+                  {"time_s", watch.elapsed_ms() / 1000}});
+    else if (!common.quiet)
       fmt::print("{}: {} {} descriptors of {} parts ready in {:.2f} s\n", index_arguments->dataset.string(),
                  catalogue.index.size(), config.global_descriptor, catalogue.parts.size(), watch.elapsed_ms() / 1000);
   });

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
+#include "config_keys.hpp"
+#include "interruption.hpp"
 #include "output.hpp"
+#include "recognizer_choice.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
@@ -16,6 +18,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -31,13 +34,20 @@ struct EvaluateArguments {
   fs::path config;
   fs::path jsonl;
   fs::path output;
+  std::vector<std::string> overrides;
+  bool json = false;
   double limit_deg = 15;
   double limit_mm = 15;
 };
 
 void print_row(const std::string& name, const ProtocolSummary& s) {
-  fmt::print("{:<24} {:>6} {:>9.1f} {:>9.1f} {:>9.1f} {:>12.1f} {:>9.1f} {:>9.1f}\n", name, s.frames, s.correct_percent(),
-             s.wrong_percent(), s.none_percent(), s.pose_right_percent(), s.median_ms, s.p95_ms);
+  fmt::print("{:<24} {:>6} {:>9.1f} {:>9.1f} {:>9.1f} {:>12.1f} {:>9.1f} {:>9.1f}\n", name, s.frames,
+             s.correct_percent(), s.wrong_percent(), s.none_percent(), s.pose_right_percent(), s.median_ms, s.p95_ms);
+}
+
+Json json_of(const ProtocolSummary& s) {
+  return {{"frames", s.frames},         {"correct", s.correct},     {"wrong", s.wrong},  {"none", s.none},
+          {"pose_right", s.pose_right}, {"median_ms", s.median_ms}, {"p95_ms", s.p95_ms}};
 }
 
 Json frame_line(const ProtocolFrame& frame, const Recognition& recognition, const Catalogue& catalogue) {
@@ -62,15 +72,15 @@ Json frame_line(const ProtocolFrame& frame, const Recognition& recognition, cons
 }
 
 void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) {
-  const auto config = arguments.config.empty() ? GlobalPipelineConfig{}
-                                               : read_pipeline_config(arguments.config);
-  const auto progress = terminal_progress(common.quiet);
+  const auto config = pipeline_config(arguments.config, arguments.overrides);
+  const auto progress = terminal_progress(common);
+  const Unfinished frame;  // each is finished before a signal counts
   const GlobalPipeline pipeline(load_catalogue(open_dataset(arguments.dataset), config, progress), config);
   const Dataset test = open_dataset(arguments.test);
   std::optional<std::ofstream> jsonl;
   if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
   const auto on_frame = [&](const ProtocolFrame& frame, const Recognition& recognition, const PointCloud& scene) {
-    if (jsonl) *jsonl << json_line(frame_line(frame, recognition, pipeline.catalogue())) << '\n';
+    if (jsonl) *jsonl << json_line(frame_line(frame, recognition, pipeline.catalogue())) << std::endl;
     if (arguments.output.empty()) return;
     const Scene view{test.view_path(frame.truth.model_id, frame.truth.view_id), scene, {}, {}};
     const fs::path iteration = write_iteration(arguments.output, recognition, view, pipeline.catalogue(), config);
@@ -84,15 +94,27 @@ void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) 
                   .limit_deg = arguments.limit_deg,
                   .limit_mm = arguments.limit_mm});
 
-  fmt::print("{:<24} {:>6} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "part shown", "frames", "correct %", "wrong %",
-             "none %", "pose right %", "median ms", "p95 ms");
+  std::map<std::string, ProtocolSummary> of_part;
   for (const auto& model : test.out.models) {
     std::vector<ProtocolFrame> of_model;
     for (const auto& frame : frames)
       if (frame.truth.model_id == model.id) of_model.push_back(frame);
-    print_row(model.name, summarize(of_model, arguments.limit_deg, arguments.limit_mm));
+    of_part[model.name] = summarize(of_model, arguments.limit_deg, arguments.limit_mm);
   }
-  print_row("all", summarize(frames, arguments.limit_deg, arguments.limit_mm));
+  const ProtocolSummary all = summarize(frames, arguments.limit_deg, arguments.limit_mm);
+  if (arguments.json) {
+    Json parts = Json::object();
+    for (const auto& [name, summary] : of_part) parts[name] = json_of(summary);
+    print_json({{"all", json_of(all)},
+                {"parts", parts},
+                {"limit_deg", arguments.limit_deg},
+                {"limit_mm", arguments.limit_mm}});
+    return;
+  }
+  fmt::print("{:<24} {:>6} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "part shown", "frames", "correct %", "wrong %",
+             "none %", "pose right %", "median ms", "p95 ms");
+  for (const auto& model : test.out.models) print_row(model.name, of_part[model.name]);
+  print_row("all", all);
   fmt::print("pose right: within {} deg and {} mm of the truth, of all frames, symmetry ignored\n", arguments.limit_deg,
              arguments.limit_mm);
 }
@@ -101,17 +123,23 @@ void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) 
 
 void add_evaluate_command(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<EvaluateArguments>();
-  auto* evaluate = app.add_subcommand("evaluate", "Recognize every view of a test dataset and count how often it is right");
+  auto* evaluate =
+      app.add_subcommand("evaluate", "Recognize every view of a test dataset and count how often it is right");
   evaluate->add_option("-d,--dataset", arguments->dataset, "Dataset folder of the catalogue")->required();
   evaluate->add_option("-t,--test", arguments->test, "Dataset folder whose views are the scenes")->required();
   evaluate->add_option("-c,--config", arguments->config, "Pipeline JSON");
+  add_set_option(*evaluate, arguments->overrides);
+  evaluate->add_flag("--json", arguments->json, "Print the table as JSON");
   evaluate->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each frame here");
   evaluate->add_option("-o,--output", arguments->output,
                        "Write an iteration output folder for each frame here, with evaluation.json in it");
-  evaluate->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")->capture_default_str();
-  evaluate->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")->capture_default_str();
-  evaluate->footer("Example (ground-truth protocol):\n"
-                   "  partpose evaluate --dataset dataset/ --test dataset/ --config configs/pipeline_virtual.json");
+  evaluate->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")
+      ->capture_default_str();
+  evaluate->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")
+      ->capture_default_str();
+  evaluate->footer(
+      "Example (ground-truth protocol):\n"
+      "  partpose evaluate --dataset dataset/ --test dataset/ --config configs/pipeline_virtual.json");
   evaluate->callback([arguments, &common] { evaluate_dataset(*arguments, common); });
 }
 

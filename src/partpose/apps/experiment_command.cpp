@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
+#include "config_keys.hpp"
+#include "interruption.hpp"
+#include "output.hpp"
 #include "terminal.hpp"
 
 #include "partpose/evaluation/experiment_tables.hpp"
@@ -18,11 +20,29 @@ namespace {
 
 struct ExperimentArguments {
   std::filesystem::path spec, output;
+  std::vector<std::string> overrides;
+  bool json = false;
 };
 
 void run(const ExperimentArguments& arguments, const Common& common) {
-  const auto records = run_experiment(arguments.spec, arguments.output, terminal_progress(common.quiet));
+  const Unfinished frame;  // each is finished before a signal counts
+  const auto records = run_experiment(arguments.spec, arguments.output, terminal_progress(common),
+                                      [&](ExperimentSpec& spec) { apply_overrides(spec, arguments.overrides); });
   const auto spec = read_json<ExperimentSpec>(arguments.output / "experiment.json");
+  if (arguments.json) {
+    Json runs = Json::array();
+    for (const auto& s : summarize_runs(records, spec))
+      runs.push_back({{"run", s.run},
+                      {"frames", s.frames},
+                      {"correct", s.correct},
+                      {"incorrect", s.wrong},
+                      {"no_result", s.none},
+                      {"pose_right", s.pose_right},
+                      {"seen_right", s.seen_right},
+                      {"median_ms", quantile(s.times_ms, 0.5)}});
+    print_json({{"runs", runs}, {"tables", (arguments.output / "tables.json").string()}});
+    return;
+  }
   fmt::print("{:<60} {:>6} {:>9} {:>11} {:>11} {:>12} {:>12} {:>10}\n", "run", "frames", "correct %", "incorrect %",
              "no result %", "pose right %", "seen right %", "median ms");
   for (const auto& s : summarize_runs(records, spec)) {
@@ -49,7 +69,13 @@ void add_experiment_command(CLI::App& app, const Common& common) {
       ->add_option("-o,--output", arguments->output,
                    "Folder for frames and tables; when the experiment was stopped in it, it goes on")
       ->required();
-  experiment->footer("Example:\n  partpose experiment experiments/ground_truth.json --output results/");
+  add_set_option(*experiment, arguments->overrides);
+  experiment->add_flag("--json", arguments->json, "Print the table as JSON");
+  experiment->footer(
+      "Examples:\n"
+      "  partpose experiment experiments/ground_truth.json --output results/\n"
+      "  partpose experiment experiments/ground_truth.json --set descriptors=vfh,esf --output two_descriptors/\n"
+      "Interrupted, it goes on where it stopped when the command is given again.");
   experiment->callback([arguments, &common] { run(*arguments, common); });
 }
 

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "output.hpp"
 #include "parts.hpp"
 #include "terminal.hpp"
 
@@ -17,6 +18,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -132,7 +135,7 @@ void find_ambiguous_views(const NamedMesh& part, const InspectArguments& argumen
   const Symmetries symmetries = report.symmetry ? report.symmetry->found.symmetries : Symmetries{};
   const AmbiguitySearch search({{part.name, part.mesh, symmetries}}, camera);
   const auto views = icosahedron_views(arguments.icosahedron);
-  const Progress progress = terminal_progress(common.quiet || arguments.json);
+  const Progress progress = terminal_progress(common);
   std::vector<char> is_ambiguous(views.size(), 0);
   std::mutex mutex;
   std::size_t done = 0;
@@ -175,7 +178,8 @@ void print(const NamedMesh& part, const PartReport& report) {
     fmt::print("    ambiguous  {} of {} views do not tell the pose{}{}\n", ids.size(), report.views,
                ids.empty() ? "" : ": ", fmt::join(ids, " "));
   }
-  for (const auto& warning : report.warnings) fmt::print("    warning: {}\n", warning);
+  for (const auto& warning : report.warnings)
+    fmt::print("    {} {}\n", coloured(stdout, Colour::yellow, "warning:"), warning);
 }
 
 Json json_of(const NamedMesh& part, const PartReport& report) {
@@ -197,9 +201,9 @@ Json json_of(const NamedMesh& part, const PartReport& report) {
   return json;
 }
 
-void repair(const NamedMesh& part, const InspectArguments& arguments, const Common& common) {
+void repair(const NamedMesh& part, const fs::path& file, const InspectArguments& arguments, const Common& common) {
   const MeshRepair repair = repair_mesh(part.mesh);
-  write_stl(arguments.repair, repair.mesh);
+  write_stl(file, repair.mesh);
   if (common.quiet || arguments.json) return;
   std::vector<std::string> done;
   if (!arguments.unit.empty()) done.push_back(fmt::format("converted from {}", arguments.unit));
@@ -210,11 +214,39 @@ void repair(const NamedMesh& part, const InspectArguments& arguments, const Comm
   if (repair.removed_duplicates > 0) done.push_back(fmt::format("{} copies removed", repair.removed_duplicates));
   if (repair.turned_triangles > 0) done.push_back(fmt::format("{} triangles turned outwards", repair.turned_triangles));
   const auto left = inspect_mesh(repair.mesh);
-  fmt::print("{}: {}; {}\n", arguments.repair.string(),
+  fmt::print("{}: {}; {}\n", file.string(),
              done.empty() ? "nothing to repair" : fmt::format("{}", fmt::join(done, ", ")),
              left.sound()      ? "sound"
              : left.watertight ? "watertight"
                                : fmt::format("{} open edges are left", left.open_edges));
+}
+
+/// One part into the file that --repair names, or all of them into that folder.
+void repair_all(const std::vector<NamedMesh>& parts, const InspectArguments& arguments, const Common& common) {
+  const fs::path& given = arguments.repair;
+  if (given.has_filename() && !fs::is_directory(given)) {
+    if (parts.size() != 1)
+      throw Error(
+          "inspect: --repair {} writes one part, there are {}; give a folder ({}/), or one file (and --split whole)",
+          given.string(), parts.size(), given.string());
+    repair(parts[0], given, arguments, common);
+    return;
+  }
+  std::map<std::string, fs::path> file_of;
+  for (const auto& part : parts)
+    if (const auto [other, is_new] = file_of.emplace(part.name, part.file); !is_new)
+      throw Error("{}: another part is already named \"{}\": {}; repair one of the two by itself", part.file.string(),
+                  part.name, other->second.string());
+  fs::create_directories(given);
+  for (const auto& part : parts) {
+    std::string name = part.name;
+    std::replace(name.begin(), name.end(), '/', '_');  // a CAD program lets a part be called anything
+    const fs::path file = given / (name + ".stl");
+    std::error_code ignored;
+    if (fs::equivalent(file, part.file, ignored))
+      throw Error("{}: --repair would write over the file itself; give another folder", file.string());
+    repair(part, file, arguments, common);
+  }
 }
 
 void inspect_all(const InspectArguments& arguments, const Common& common) {
@@ -255,17 +287,12 @@ void inspect_all(const InspectArguments& arguments, const Common& common) {
                                       ? error.what()
                                       : fmt::format("{}: {}", file.string(), error.what());
       if (arguments.json) all["broken"].push_back({{"file", file.string()}, {"error", message}});
-      fmt::print(stderr, "partpose: {}\n", message);
+      complain(message);
     }
   }
-  if (!arguments.repair.empty()) {
-    if (repairable.size() != 1)
-      throw Error("inspect: --repair writes one part, there are {}; give one file (and --split whole)",
-                  repairable.size());
-    repair(repairable[0], arguments, common);
-  }
+  if (!arguments.repair.empty()) repair_all(repairable, arguments, common);
   if (arguments.json)
-    fmt::print("{}\n", all.dump(2, ' ', false, Json::error_handler_t::replace));
+    print_json(all);
   else if (!common.quiet && files.size() > 1)
     fmt::print("{} files: {} good with {} parts, {} broken\n", files.size(), good_files, good_parts,
                files.size() - good_files);
@@ -277,7 +304,9 @@ void add_inspect_command(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<InspectArguments>();
   auto* inspect = app.add_subcommand("inspect", "Say what to know before trusting a model: size, unit, gaps, symmetry");
   inspect->add_option("models", arguments->models, part_files_help)->required();
-  inspect->add_option("--repair", arguments->repair, "Write the part, repaired as far as its shape stays, as STL here");
+  inspect->add_option(
+      "--repair", arguments->repair,
+      "Write the part, repaired as far as its shape stays, as STL here; into a folder (FOLDER/) all parts");
   inspect->add_option("--unit", arguments->unit, "Take the coordinates read for this unit: mm, cm, m, in or um")
       ->check(CLI::IsMember({"mm", "cm", "m", "in", "um"}));
   inspect->add_flag("--views", arguments->views, "Also find the views that do not tell the pose (slow)");
@@ -294,6 +323,7 @@ void add_inspect_command(CLI::App& app, const Common& common) {
       "  partpose inspect parts/\n"
       "  partpose inspect motor.step --split solid --chord-tolerance 0.02\n"
       "  partpose inspect part_in_inches.stl --unit in --repair part.stl\n"
+      "  partpose inspect parts/ --repair repaired/\n"
       "Exit codes: 0 all files can be used (warnings or not), 2 a file cannot be read, or bad usage. The good files "
       "are\n"
       "inspected in any case.");

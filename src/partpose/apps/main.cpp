@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "commands.hpp"
+#include "interruption.hpp"
+#include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/parallel.hpp"
@@ -14,21 +16,21 @@
 
 namespace {
 
-constexpr int exit_bad_input = 2;
-
-int fail(const std::string& message) {
-  fmt::print(stderr, "partpose: {}\n", message);
-  return exit_bad_input;
+int fail(const std::string& message, int exit_code = partpose::apps::bad_input) {
+  partpose::apps::complain(message);
+  return exit_code;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace partpose;
+  apps::handle_signals();
   CLI::App app{"partpose: which CAD part a depth camera sees, and its 6-DoF pose"};
   apps::Common common;
   app.set_version_flag("--version", PARTPOSE_VERSION);
-  app.add_flag("-q,--quiet", common.quiet, "No progress, no report beyond the output asked for");
+  auto* quiet = app.add_flag("-q,--quiet", common.quiet, "No progress, no report beyond the output asked for");
+  app.add_flag("-v,--verbose", common.verbose, "Also say what is read and how long each step takes")->excludes(quiet);
   app.add_option("--threads", common.threads, "At most so many threads (0: as many as the machine has)")
       ->check(CLI::NonNegativeNumber);
   app.require_subcommand(1);
@@ -37,9 +39,11 @@ int main(int argc, char** argv) {
   app.footer(
       "Examples:\n"
       "  partpose recognize --models parts/ frame.png          # which part is it, and where\n"
+      "  partpose view --models parts/ frame.png               # the same as a page to look at, in 3-D\n"
       "  partpose dataset --models parts/ --output dataset/    # views of all parts, for the commands below\n"
+      "  partpose config --output pipeline.json                # every key of the pipeline, explained\n"
       "  partpose index --dataset dataset/                     # descriptors of the views\n"
-      "  partpose recognize --dataset dataset/ --config configs/pipeline_capture.json frame.pcd\n"
+      "  partpose recognize --dataset dataset/ --config pipeline.json frame.pcd\n"
       "  partpose evaluate --dataset dataset/ --test dataset/  # how often is it right on views of a dataset\n"
       "  partpose captured scenes/ --models parts/             # and on captured scenes with ground truth\n"
       "  partpose report iterations/                           # a page to look at what --output wrote\n"
@@ -48,15 +52,17 @@ int main(int argc, char** argv) {
       "  partpose inspect parts/                               # size, unit, gaps, symmetry of model files\n"
       "  partpose symmetry parts/flange.stl                    # the turns that map a part onto itself\n"
       "  partpose ambiguity parts/ --camera camera.json        # views that do not tell the pose, or the part\n"
-      "Exit codes: 0 done (also when nothing was recognized), 2 bad input or usage, also when only some of the files\n"
-      "could not be read (a line on standard error for each; the others are used).");
+      "Exit codes: 0 done (also when nothing was recognized); 2 bad input or usage, also when only some of the files\n"
+      "could not be read (a line on standard error for each; the others are used); 130 interrupted by Ctrl-C, and\n"
+      "128 + n by another signal n: nothing half written is left; 1 a fault of partpose itself.");
 
   std::unique_ptr<ThreadLimit> limit;
   app.parse_complete_callback([&] { limit = std::make_unique<ThreadLimit>(common.threads); });
-  int failures = 0;
-  apps::add_recognize_command(app, common, failures);
-  apps::add_dataset_commands(app, common);
+  apps::add_recognize_command(app, common);
+  apps::add_view_command(app, common);
   apps::add_inspect_command(app, common);
+  apps::add_config_command(app);
+  apps::add_dataset_commands(app, common);
   apps::add_evaluate_command(app, common);
   apps::add_experiment_command(app, common);
   apps::add_captured_command(app, common);
@@ -66,10 +72,14 @@ int main(int argc, char** argv) {
   apps::add_bop_commands(app, common);
   apps::add_symmetry_command(app, common);
   apps::add_ambiguity_command(app, common);
+  apps::add_completion_command(app);
 
   try {
     app.parse(argc, argv);
-    return failures + common.failures == 0 ? 0 : exit_bad_input;
+    if (const int code = apps::exit_code_of_signal()) return fail("interrupted", code);
+    return common.failures == 0 ? apps::done : apps::bad_input;
+  } catch (const apps::Interrupted&) {
+    return fail("interrupted", apps::exit_code_of_signal());
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     return fail(fmt::format("{} (see partpose --help)", error.what()));
@@ -80,6 +90,6 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return fail("out of memory: the input is too large for this machine");
   } catch (const std::exception& error) {
-    return fail(error.what());
+    return fail(fmt::format("a fault of partpose itself: {}", error.what()), apps::internal_error);
   }
 }

@@ -14,6 +14,8 @@ std::ofstream open_for_writing(const std::filesystem::path& path) {
   return file;
 }
 
+void print_json(const Json& json) { fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace)); }
+
 Json times_of(std::span<const MeasuredOperation> stages) {
   const auto rounded = [](double ms) { return std::round(ms * 1000) / 1000; };
   Json times;

@@ -14,6 +14,9 @@ namespace partpose::apps {
 /// "-" is standard output. Throws Error when the file cannot be written.
 std::ofstream open_for_writing(const std::filesystem::path& path);
 
+/// One document on standard output.
+void print_json(const Json& json);
+
 /// {"total": ms, step: ms, ...}
 Json times_of(std::span<const MeasuredOperation> stages);
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parts.hpp"
 
+#include "terminal.hpp"
+
 #include "partpose/core/error.hpp"
 
 #include <CLI/CLI.hpp>
@@ -25,10 +27,14 @@ void add_reading_options(CLI::App& command, MeshReadOptions& options) {
 
 std::vector<NamedMesh> read_parts(const std::vector<std::filesystem::path>& files_and_folders,
                                   const MeshReadOptions& options, const Common& common) {
-  return read_meshes(files_and_folders, options, [&](const std::filesystem::path&, const std::string& message) {
+  auto parts = read_meshes(files_and_folders, options, [&](const std::filesystem::path&, const std::string& message) {
     ++common.failures;
-    fmt::print(stderr, "partpose: {}\n", message);
+    complain(message);
   });
+  for (const auto& part : parts)
+    note(common, fmt::format("{}: {}, {} triangles{}", part.file.string(), part.name, part.mesh.triangles.size(),
+                             part.unit.empty() ? "" : ", file in " + part.unit));
+  return parts;
 }
 
 }  // namespace partpose::apps

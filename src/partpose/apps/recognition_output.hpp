@@ -14,11 +14,16 @@
 
 namespace partpose::apps {
 
-/// The line of `--jsonl`: scene, model_name or null, T_final (camera_from_model, mm), distances, times by step.
-Json line_of(const std::filesystem::path& scene, const Recognition& recognition);
+/// The line of `--jsonl`: scene, model_name or null, T_final (camera_from_model, mm), distances, all detections of the
+/// frame, times by step.
+Json line_of(const std::filesystem::path& scene, const Recognition& recognition, const Catalogue& catalogue);
 
+std::string text_of(const Eigen::Isometry3d& pose);
 void print_pose(const Eigen::Isometry3d& pose);
-void print_for_people(const std::filesystem::path& scene, const Recognition& recognition);
+/// The result, its pose, what else it may be, and the frame's other objects.
+void print_for_people(const std::filesystem::path& scene, const Recognition& recognition, const Catalogue& catalogue);
+std::string text_for_people(const std::filesystem::path& scene, const Recognition& recognition,
+                            const Catalogue& catalogue);
 
 /// Runs `body`; an Error it throws gets the scene's name before it.
 template <typename Body>

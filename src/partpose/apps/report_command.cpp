@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
+#include "output.hpp"
+#include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/report/report.hpp"
@@ -19,6 +20,7 @@ namespace fs = std::filesystem;
 struct ReportArguments {
   fs::path folder, output;
   double most_mb = 28;
+  bool json = false;
   ReportOptions options;
 };
 
@@ -27,8 +29,14 @@ void make_report(const ReportArguments& arguments, const Common& common) {
   ReportOptions options = arguments.options;
   options.most_bytes = static_cast<std::size_t>(arguments.most_mb * 1e6);
   const ReportSummary summary = write_report(arguments.folder, file, options);
-  for (const auto& problem : summary.problems) fmt::print(stderr, "partpose: left out: {}\n", problem);
-  if (!common.quiet)
+  for (const auto& problem : summary.problems) complain(fmt::format("left out: {}", problem));
+  if (arguments.json)
+    print_json({{"report", file.string()},
+                {"frames", summary.frames},
+                {"bytes", summary.bytes},
+                {"thinned", summary.thinned},
+                {"left_out", summary.problems}});
+  else if (!common.quiet)
     fmt::print("{}: {} frames, {:.1f} MB{}\n", file.string(), summary.frames, static_cast<double>(summary.bytes) / 1e6,
                summary.thinned ? ", points thinned to keep it small (--max-mb)" : "");
 }
@@ -49,6 +57,7 @@ void add_report_command(CLI::App& app, const Common& common) {
   report->add_option("--max-mb", arguments->most_mb, "Points and depth images are thinned until the file is smaller")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  report->add_flag("--json", arguments->json, "Print what was made as JSON");
   report->footer(
       "Example:\n  partpose evaluate --dataset dataset/ --test dataset/ --output evaluated/\n"
       "  partpose report evaluated/ --output report.html\n"

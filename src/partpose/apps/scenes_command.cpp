@@ -1,5 +1,8 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "config_keys.hpp"
+#include "interruption.hpp"
+#include "output.hpp"
 #include "parts.hpp"
 #include "terminal.hpp"
 
@@ -33,7 +36,8 @@ struct ScenesArguments {
   std::optional<std::string> sensor, poses;
   std::optional<int> parts, clutter;
   std::vector<double> hidden;
-  bool list_poses = false, print_config = false;
+  std::vector<std::string> overrides;
+  bool list_poses = false, print_config = false, json = false;
 };
 
 std::vector<ScenePart> scene_parts(const std::vector<fs::path>& files_and_folders, const Common& common) {
@@ -46,6 +50,7 @@ std::vector<ScenePart> scene_parts(const std::vector<fs::path>& files_and_folder
 SceneDatasetOptions options_of(const ScenesArguments& arguments) {
   SceneDatasetOptions options;
   if (!arguments.config.empty()) options = read_json<SceneDatasetOptions>(arguments.config);
+  apply_overrides(options, arguments.overrides);
   if (arguments.seed) options.scene.seed = *arguments.seed;
   if (arguments.sensor) options.sensor.model = *arguments.sensor;
   if (arguments.poses) options.scene.poses = *arguments.poses;
@@ -57,7 +62,25 @@ SceneDatasetOptions options_of(const ScenesArguments& arguments) {
   return options;
 }
 
-void list_poses(const std::vector<ScenePart>& parts, const RestingPoseOptions& options) {
+Json json_of(const RestingPoses& resting) {
+  Json poses = Json::array();
+  for (const auto& pose : resting.poses)
+    poses.push_back({{"group", pose.group},
+                     {"probability", pose.probability},
+                     {"centre_height_mm", pose.centre_height_mm},
+                     {"stability_deg", pose.stability_deg},
+                     {"down", {pose.down.x(), pose.down.y(), pose.down.z()}},
+                     {"table_from_model", to_json(pose.table_from_model)}});
+  return {{"poses", poses}, {"centre_of_mass_from_mesh", resting.centre_of_mass_from_mesh}};
+}
+
+void list_poses(const std::vector<ScenePart>& parts, const RestingPoseOptions& options, bool json) {
+  if (json) {
+    Json all = Json::object();
+    for (const auto& part : parts) all[part.name] = json_of(resting_poses(part.mesh, options));
+    print_json(all);
+    return;
+  }
   fmt::print("{:<20} {:>5} {:>12} {:>12} {:>14} {:>26}\n", "part", "group", "probability", "height [mm]",
              "stability [deg]", "down (model axes)");
   for (const auto& part : parts) {
@@ -78,9 +101,10 @@ void make_scenes(const ScenesArguments& arguments, const Common& common) {
     return;
   }
   if (arguments.models.empty()) throw Error("scenes: give the parts with --models");
-  std::vector<ScenePart> parts = scene_parts(arguments.models, common), unknown = scene_parts(arguments.unknown, common);
+  std::vector<ScenePart> parts = scene_parts(arguments.models, common),
+                         unknown = scene_parts(arguments.unknown, common);
   if (arguments.list_poses) {
-    list_poses(parts, options.scene.resting_poses);
+    list_poses(parts, options.scene.resting_poses, arguments.json);
     return;
   }
   if (arguments.output.empty()) throw Error("scenes: give the folder to write with --output");
@@ -90,16 +114,23 @@ void make_scenes(const ScenesArguments& arguments, const Common& common) {
   const auto symmetries_of = [](const TriangleMesh& mesh) {
     return find_symmetries(mesh, default_symmetry_tolerance_mm(diameter(mesh)));
   };
-  write_scene_dataset(parts, unknown, options, frames, arguments.output, symmetries_of,
-                      terminal_progress(common.quiet));
-  if (!common.quiet)
+  const Unfinished half_written;
+  write_scene_dataset(parts, unknown, options, frames, arguments.output, symmetries_of, terminal_progress(common));
+  if (arguments.json)
+    print_json({{"output", arguments.output.string()},
+                {"frames", frames},
+                {"parts", parts.size()},
+                {"time_s", watch.elapsed_ms() / 1000}});
+  else if (!common.quiet)
     fmt::print("{}: {} frames of {} parts in {:.2f} s\n", arguments.output.string(), frames, parts.size(),
                watch.elapsed_ms() / 1000);
   if (arguments.pictures.empty()) return;
   fs::create_directories(arguments.pictures);
   const SceneGenerator generator(std::move(parts), std::move(unknown), options.scene);
-  for (std::size_t i = 0; i < frames; ++i)
+  for (std::size_t i = 0; i < frames; ++i) {
+    check_not_interrupted();
     write_png(arguments.pictures / fmt::format("{:06}.png", i), picture_of(generator.generate(i)));
+  }
 }
 
 }  // namespace
@@ -113,6 +144,7 @@ void add_scenes_command(CLI::App& app, const Common& common) {
   scenes->add_option("-o,--output", arguments->output,
                      "Folder to write, a BOP dataset; older scenes there are replaced");
   scenes->add_option("-c,--config", arguments->config, "Scenes JSON; the options below change what it says");
+  add_set_option(*scenes, arguments->overrides);
   scenes->add_option("--seed", arguments->seed, "The same seed gives the same frames (default: 1)");
   scenes->add_option("--sensor", arguments->sensor, "stereo (like a D415, the default), gaussianray or none")
       ->check(CLI::IsMember({"stereo", "gaussianray", "none"}));
@@ -131,6 +163,7 @@ void add_scenes_command(CLI::App& app, const Common& common) {
                    "natural (as often as a dropped part rests so, the default) or uniform (rare ones as often)")
       ->check(CLI::IsMember({"natural", "uniform"}));
   scenes->add_option("--pictures", arguments->pictures, "Also write a shaded picture of each frame here");
+  scenes->add_flag("--json", arguments->json, "Print what was made, or the resting poses, as JSON");
   scenes->add_flag("--list-poses", arguments->list_poses, "Only list the resting poses of the parts");
   scenes->add_flag("--print-config", arguments->print_config, "Only print the scenes JSON that would be used");
   scenes->footer(
@@ -139,6 +172,7 @@ void add_scenes_command(CLI::App& app, const Common& common) {
       "  partpose scenes --models parts/ --parts 5 --clutter 4 --pictures pictures/ --output scenes/\n"
       "  partpose scenes --models parts/ --hidden 0.3 0.5 --sensor none --output occluded/\n"
       "  partpose scenes --models known/ --unknown others/ --seed 7 --output scenes/\n"
+      "  partpose scenes --models parts/ --set sensor.stereo.baseline_mm=95 --output wide_baseline/\n"
       "  partpose scenes --models parts/flange.stl --list-poses\n"
       "  partpose scenes --print-config >scenes.json           # all options, to be changed and given with --config");
   scenes->callback([arguments, &common] { make_scenes(*arguments, common); });

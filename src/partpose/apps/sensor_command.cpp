@@ -106,7 +106,10 @@ void add_sensor_command(CLI::App& app, const Common&) {
   fit->add_option("--region", arguments->region_px, "LEFT TOP WIDTH HEIGHT of the wall in the image, px (default: all)")
       ->expected(4);
   fit->add_option("-o,--output", arguments->output, "Write the noise section \"stereo\" to this file");
-  fit->add_option("--json", arguments->json, "Write all figures as JSON; - for standard output");
+  fit->add_option("--json", arguments->json, "Write all figures as JSON here (-, or no FILE: standard output)")
+      ->type_name("[FILE]")
+      ->expected(0, 1)
+      ->default_str("-");
   fit->footer(
       "Examples:\n"
       "  partpose sensor fit wall.png --camera camera.json --baseline 55\n"

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "output.hpp"
 #include "parts.hpp"
 
 #include "partpose/core/error.hpp"
@@ -78,7 +79,7 @@ void find(const SymmetryArguments& arguments, const Common& common) {
     print("symmetries", found);
     print("but for a detail", near);
   }
-  if (arguments.json) fmt::print("{}\n", all.dump(2));
+  if (arguments.json) print_json(all);
 }
 
 }  // namespace

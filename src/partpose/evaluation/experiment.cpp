@@ -58,8 +58,9 @@ std::string resolved(const std::string& path, const fs::path& base) {
 }
 
 /// With absolute paths.
-ExperimentSpec read_spec(const fs::path& path) {
+ExperimentSpec read_spec(const fs::path& path, const std::function<void(ExperimentSpec&)>& adjust) {
   ExperimentSpec spec = read_json<ExperimentSpec>(path);
+  if (adjust) adjust(spec);
   const fs::path base = fs::absolute(path).parent_path();
   try {
     for (auto& group : spec.groups)
@@ -486,8 +487,9 @@ void check_inputs(const fs::path& file, const Json& now) {
 
 }  // namespace
 
-std::vector<FrameRecord> run_experiment(const fs::path& spec_file, const fs::path& output, const Progress& progress) {
-  const ExperimentSpec spec = read_spec(spec_file);
+std::vector<FrameRecord> run_experiment(const fs::path& spec_file, const fs::path& output, const Progress& progress,
+                                        const std::function<void(ExperimentSpec&)>& adjust) {
+  const ExperimentSpec spec = read_spec(spec_file, adjust);
   const Json inputs = input_hashes(spec);
   const fs::path inputs_file = output / "inputs.json";
   const fs::path own_spec = output / "experiment.json";

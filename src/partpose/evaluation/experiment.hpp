@@ -6,6 +6,7 @@
 #include "partpose/pipeline/records.hpp"
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -139,9 +140,10 @@ struct FrameRecord {
 /// experiment.json (the spec as it is run), frames.jsonl (one line per finished frame, written at once, so that a run
 /// that was killed goes on where it stopped), frames/ (output folders), datasets/, and the tables of write_tables().
 /// Throws Error when `output` holds finished frames of another experiment, or anything else. The records are in the
-/// order of in_order_of().
+/// order of in_order_of(). `adjust` may change what the file says, before its paths are resolved.
 std::vector<FrameRecord> run_experiment(const std::filesystem::path& spec_file, const std::filesystem::path& output,
-                                        const Progress& progress = {});
+                                        const Progress& progress = {},
+                                        const std::function<void(ExperimentSpec&)>& adjust = {});
 
 /// The finished frames of an experiment's folder; a half-written last line is left out. Empty when there is no such
 /// file.

@@ -116,6 +116,9 @@ std::vector<NamedMesh> read_here(const fs::path& path, const MeshReadOptions& op
       importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure);
   if (!scene || !scene->mRootNode || scene->mNumMeshes == 0) {
     const std::string why = importer.GetErrorString();
+    if (why.find("bad_alloc") != std::string::npos)
+      throw Error("{}: is not readable as {}: it asks for far more memory than a file of its size needs", path.string(),
+                  ending.substr(1));
     throw Error("{}: is not readable as {}: {}", path.string(), ending.substr(1),
                 why.empty() ? "it has no triangles" : why);
   }

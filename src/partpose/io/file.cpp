@@ -15,6 +15,14 @@ namespace partpose {
 
 namespace {
 
+std::atomic<int> being_written = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
+
+struct CountAsBeingWritten {
+  CountAsBeingWritten() { ++being_written; }
+  ~CountAsBeingWritten() { --being_written; }
+};
+
 /// A hidden name in the same folder (a rename across file systems is not atomic) that no other writer uses.
 std::filesystem::path temporary_name_beside(const std::filesystem::path& path) {
   static std::atomic<unsigned> counter = 0;
@@ -46,6 +54,7 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
+  const CountAsBeingWritten count;
   const auto temporary = temporary_name_beside(path);
   std::error_code error;
   errno = 0;
@@ -62,5 +71,7 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
   std::filesystem::remove(temporary, ignored);
   throw Error("{}: cannot be written: {}", path.string(), error.message());
 }
+
+int files_being_written() noexcept { return being_written; }
 
 }  // namespace partpose

@@ -18,4 +18,8 @@ std::string read_file(const std::filesystem::path& path);
 /// that name is replaced. Error when that fails; then `path` is as it was and the temporary file is gone.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
+/// How many temporary files of write_file_atomically there are right now. May be called by a signal handler, which must
+/// not end the process meanwhile.
+int files_being_written() noexcept;
+
 }  // namespace partpose

@@ -72,6 +72,12 @@ TEST(File, AReaderNeverSeesAHalfWrittenFile) {
   first.join();
   second.join();
   EXPECT_EQ(folder.files(), 1);
+  EXPECT_EQ(files_being_written(), 0);
+}
+
+TEST(File, WhatCouldNotBeWrittenIsNoLongerBeingWritten) {
+  EXPECT_THROW(write_file_atomically("/nowhere/at/all", "x"), Error);
+  EXPECT_EQ(files_being_written(), 0);
 }
 
 }  // namespace

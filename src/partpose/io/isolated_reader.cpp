@@ -13,6 +13,7 @@
 
 #include <cerrno>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 
 namespace partpose {
@@ -85,13 +86,32 @@ rlim_t most_cpu_s(const std::filesystem::path& path) {
   return at_least_s + (ignored ? 0 : for_each_mb_s * static_cast<rlim_t>(bytes >> 20));
 }
 
-[[noreturn]] void be_the_child(int to_parent, rlim_t cpu_s, const std::function<std::vector<NamedMesh>()>& read) {
+/// The memory that the child may use beside what the process has mapped already: a small file that unpacks without end
+/// must not take all that the machine has.
+rlim_t most_bytes(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto file_bytes = std::filesystem::file_size(path, ignored);
+  unsigned long pages = 0;
+  if (std::FILE* own = std::fopen("/proc/self/statm", "r")) {
+    if (std::fscanf(own, "%lu", &pages) != 1) pages = 0;
+    std::fclose(own);
+  }
+  if (pages == 0) return RLIM_INFINITY;
+  constexpr rlim_t at_least = rlim_t{2} << 30, for_each_byte = 200;
+  return static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + at_least +
+         (ignored ? 0 : for_each_byte * static_cast<rlim_t>(file_bytes));
+}
+
+[[noreturn]] void be_the_child(int to_parent, rlim_t cpu_s, rlim_t memory_bytes,
+                               const std::function<std::vector<NamedMesh>()>& read) {
   for (const int signal_number : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU, SIGINT, SIGTERM})
     signal(signal_number, SIG_DFL);
   const rlimit no_core_file{0, 0};
   setrlimit(RLIMIT_CORE, &no_core_file);
   const rlimit time{cpu_s, cpu_s + 1};
   setrlimit(RLIMIT_CPU, &time);
+  const rlimit memory{memory_bytes, memory_bytes};
+  setrlimit(RLIMIT_AS, &memory);
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
@@ -125,7 +145,7 @@ std::vector<NamedMesh> read_isolated(const std::filesystem::path& path, const ch
   }
   if (child == 0) {
     close(ends[0]);
-    be_the_child(ends[1], most_cpu_s(path), read_it);
+    be_the_child(ends[1], most_cpu_s(path), most_bytes(path), read_it);
   }
   close(ends[1]);
   std::string bytes;

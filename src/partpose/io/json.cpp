@@ -20,7 +20,7 @@ Json read_json_file(const std::filesystem::path& path) {
     return true;
   };
   try {
-    return Json::parse(text, watch_keys);
+    return Json::parse(text, watch_keys, true, true);
   } catch (const Json::parse_error& error) {
     throw Error("{}: byte {}: not valid JSON here", path.string(), error.byte);
   } catch (const Json::exception& error) {

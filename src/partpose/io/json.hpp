@@ -33,7 +33,7 @@ namespace partpose {
 
 using Json = nlohmann::ordered_json;
 
-/// Parses a file. Throws Error naming the file, and the byte where it stops being JSON. A key given twice is an Error.
+/// Parses a file; comments (// and /* */) count as space. Throws Error naming the file, and the byte where it stops being JSON. A key given twice is an Error.
 Json read_json_file(const std::filesystem::path& path);
 /// One line of text; bytes that are not UTF-8 (in a file's name) are replaced by the replacement character.
 std::string json_line(const Json& json);

@@ -355,11 +355,18 @@ TEST(JsonFile, BrokenOnesNameFileAndByte) {
   EXPECT_EQ(reading("{} {}"), "FILE: byte 4: not valid JSON here");
   EXPECT_CONTAINS(reading("{'a': 1}"), "FILE: byte 2: ");
   EXPECT_CONTAINS(reading("{\"a\": \"\xff\"}"), "FILE: byte 8: ");
-  EXPECT_CONTAINS(reading("{\"a\": 1} // comment"), "FILE: byte 10: ");
+  EXPECT_CONTAINS(reading("{\"a\": 1} / comment"), "FILE: byte ");
+  EXPECT_CONTAINS(reading("{\"a\": 1} /* comment"), "FILE: byte ");
   EXPECT_CONTAINS(reading("{\"a\": 1e999}"), "FILE: ");
   EXPECT_CONTAINS(reading(std::string(100000, '[')), "FILE: byte 100001: ");
   EXPECT_CONTAINS(reading(std::string("\0\0\0", 3)), "FILE: byte 1: ");
   EXPECT_CONTAINS(reading(""), "FILE: byte 0: the file is empty");
+}
+
+TEST(JsonFile, CommentsAreSpace) {
+  const TempFolder folder;
+  const auto path = folder.file("commented.json", "// what it is\n{\"a\": /* one */ 1, // and\n \"b\": \"// no\"}\n");
+  EXPECT_EQ(read_json_file(path), (Json{{"a", 1}, {"b", "// no"}}));
 }
 
 TEST(JsonFile, MissingOnes) {
