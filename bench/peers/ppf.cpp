@@ -17,9 +17,10 @@ using peers::Json;
 namespace ppf = cv::ppf_match_3d;
 
 /// Of the part's diameter. Finer steps of a flat part take OpenCV minutes to train.
-constexpr double model_step = 0.07;
-/// A pose takes ICP about as long as all of its votes; the right one is among the first.
-constexpr std::size_t poses_a_part = 6;
+const double model_step = std::getenv("STEP") ? std::atof(std::getenv("STEP")) : 0.07;
+/// So many poses of a part are compared with the frame as they are, with a wide tolerance; the best are refined.
+constexpr std::size_t poses_compared = 300, poses_refined = 4;
+constexpr double coarse_tolerance_mm = 20;
 constexpr double scene_voxel_mm = 2;
 
 struct Part {
@@ -49,9 +50,11 @@ std::vector<Part> trained(const Json& setup) {
     part.name = json.at("name").get<std::string>();
     part.shared = peers_load_part(json.at("stl").get<std::string>().c_str());
     if (!part.shared) throw std::runtime_error(part.name + ": no mesh");
-    part.surface = sampled(part.shared, 4000);
+    part.surface = sampled(part.shared, 1500);
     part.detector = std::make_unique<ppf::PPF3DDetector>(model_step, 0.05, 30);
+    const double t0 = peers::wall_ms();
     part.detector->trainModel(sampled(part.shared, 20000));
+    std::cerr << part.name << " trained in " << peers::wall_ms() - t0 << " ms\n";
     parts.push_back(std::move(part));
   }
   return parts;
@@ -65,6 +68,17 @@ Loaded load(const Json& setup, const Json& frame) {
           peers::read_depth(frame)};
 }
 
+std::vector<ppf::Pose3DPtr> best_of(std::vector<ppf::Pose3DPtr> poses, void* part, void* frame) {
+  poses.resize(std::min(poses.size(), poses_compared));
+  std::vector<std::pair<double, ppf::Pose3DPtr>> scored;
+  for (const auto& pose : poses) scored.emplace_back(peers_two_sided(part, frame, pose->pose.val), pose);
+  std::stable_sort(scored.begin(), scored.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  scored.resize(std::min(scored.size(), poses_refined));
+  poses.clear();
+  for (const auto& [score, pose] : scored) poses.push_back(pose);
+  return poses;
+}
+
 std::optional<peers::Found> recognize(const std::vector<Part>& parts, const Loaded& frame) {
   constexpr int most = 100000;
   cv::Mat scene(most, 6, CV_32F);
@@ -76,12 +90,19 @@ std::optional<peers::Found> recognize(const std::vector<Part>& parts, const Load
   for (int i = 0; i < count; ++i) xyz.insert(xyz.end(), scene.ptr<float>(i), scene.ptr<float>(i) + 3);
   void* seen = peers_open_frame(&frame.camera, frame.depth.data(), frame.table ? xyz.data() : nullptr, count,
                                 frame.tolerance_mm);
+  void* coarsely_seen = peers_open_frame(&frame.camera, frame.depth.data(), frame.table ? xyz.data() : nullptr, count,
+                                         coarse_tolerance_mm);
   peers::Found best;
   for (const auto& part : parts) {
     std::vector<ppf::Pose3DPtr> poses;
+    const double t0 = peers::wall_ms();
     part.detector->match(scene, poses, 1.0 / 5, 0.05);
-    poses.resize(std::min(poses.size(), poses_a_part));
+    const double t1 = peers::wall_ms();
+    std::cerr << part.name << " poses " << poses.size();
+    poses = best_of(poses, part.shared, coarsely_seen);
+    const double t2 = peers::wall_ms();
     ppf::ICP(100, 0.005f, 2.5f, 4).registerModelToScene(part.surface, scene, poses);
+    std::cerr << " n " << count << " match " << t1 - t0 << " pre " << t2 - t1 << " icp " << peers::wall_ms() - t2 << '\n';
     for (const auto& pose : poses) {
       const double score = peers_two_sided(part.shared, seen, pose->pose.val);
       if (score <= best.score) continue;
@@ -90,6 +111,7 @@ std::optional<peers::Found> recognize(const std::vector<Part>& parts, const Load
       for (int i = 0; i < 16; ++i) best.camera_from_model.matrix()(i / 4, i % 4) = pose->pose.val[i];
     }
   }
+  peers_close_frame(coarsely_seen);
   peers_close_frame(seen);
   if (best.score < 0.4) return std::nullopt;
   return best;
