@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import open3d as o3d
 
-VOXEL_MM = 4.0
+VOXEL_MM = 5.0
 TRIES = 2
 """RANSAC runs a part; a part that is missed by one is often found by the next."""
 
