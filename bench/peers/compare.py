@@ -247,6 +247,7 @@ def main() -> None:
     parser.add_argument("--work", type=Path, required=True, help="folder that peers_scenes wrote")
     parser.add_argument("--python", default=sys.executable, help="Python with Open3D")
     parser.add_argument("--only", nargs="*", default=[], help="peers whose names contain one of these, and partpose")
+    parser.add_argument("--without", nargs="*", default=[], help="no peers whose names contain one of these")
     parser.add_argument("--timeout", type=float, default=300, help="seconds a frame; then nothing was recognized")
     parser.add_argument("--plot", type=Path, help="SVG file to write")
     parser.add_argument("--page", type=Path, help="Markdown page whose marked table is replaced")
@@ -259,6 +260,7 @@ def main() -> None:
     peers = all_peers(arguments.build, arguments.work, arguments.python)
     if arguments.only:
         peers = [p for p in peers if p.name == PARTPOSE or any(o.lower() in p.name.lower() for o in arguments.only)]
+    peers = [p for p in peers if not any(w.lower() in p.name.lower() for w in arguments.without)]
     try:
         for peer in peers:
             peer.start(600)

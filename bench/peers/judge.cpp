@@ -41,9 +41,9 @@ void judge(const std::filesystem::path& work) {
     Json answer = Json::parse(line);
     const Json &frame = frames.at(answer.at("frame")), &stated = truths.at(answer.at("frame").get<std::string>());
     const GroundTruth truth{stated.at("part"), pose_of(stated.at("T")), 0, 0};
-    JudgedFrame judged{{frame.at("width"), frame.at("height"), frame.at("fx"), frame.at("fy"), frame.at("cx"), frame.at("cy")},
-                       read_depth(frame),
-                       from_json<AmbiguityOptions>(stated.at("noise"))};
+    const Intrinsics camera{frame.at("width"), frame.at("height"), frame.at("fx"),
+                            frame.at("fy"),    frame.at("cx"),     frame.at("cy")};
+    const JudgedFrame judged{camera, read_depth(frame), from_json<AmbiguityOptions>(stated.at("noise"))};
     Result result;
     if (!answer.at("part").is_null()) {
       result.candidate_id = 0;

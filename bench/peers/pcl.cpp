@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-// The reference's pipeline written with PCL 1.13, as a peer: with the settings of its appendix D as written, or with the
-// same blocks set competently ("tuned"). GOOD, which PCL lacks, is partpose's.
+// The reference's pipeline written with PCL 1.13, as a peer: with the settings of its appendix D as written, or with
+// the same blocks set competently ("tuned"). GOOD, which PCL lacks, is partpose's.
 #include "peer.hpp"
 #include "shared.h"
 
@@ -222,7 +222,8 @@ std::vector<Description> describe(const Oriented::Ptr& cloud, const Setting& set
     estimation.setSearchMethod(pcl::search::KdTree<pcl::PointNormal>::Ptr(new pcl::search::KdTree<pcl::PointNormal>));
     estimation.setMinPoints(options.at("min_points").get<std::size_t>());
     estimation.setClusterTolerance(options.at("cluster_tolerance_distance").get<float>());
-    estimation.setEPSAngleThreshold(options.at("eps_angle_threshold_deg").get<float>() * static_cast<float>(M_PI) / 180);
+    const auto angle_deg = options.at("eps_angle_threshold_deg").get<float>();
+    estimation.setEPSAngleThreshold(angle_deg * static_cast<float>(M_PI) / 180);
     estimation.setRadiusNormals(options.at("radius_normals").get<float>());
     estimation.setCurvatureThreshold(0.03f);
     estimation.setNormalizeBins(options.at("use_normalized_bins").get<bool>());
@@ -249,7 +250,8 @@ Roll::Ptr roll_histogram(const Oriented::Ptr& cloud, const Eigen::Vector3f& cent
   return out;
 }
 
-std::vector<Eigen::Matrix4f> roll_alignments(const View& view, const Roll::Ptr& scene_roll, Eigen::Vector3f scene_centroid) {
+std::vector<Eigen::Matrix4f> roll_alignments(const View& view, const Roll::Ptr& scene_roll,
+                                             Eigen::Vector3f scene_centroid) {
   pcl::CRHAlignment<pcl::PointNormal, 90> alignment;
   Eigen::Vector3f view_centroid = view.centroid;
   alignment.setInputAndTargetCentroids(view_centroid, scene_centroid);
@@ -337,7 +339,8 @@ class PclPipeline {
     for (const auto& protocol : setup.at("protocols"))
       pipelines_.push_back(peers::read_json(protocol.at("pipeline").get<std::string>()));
     for (const auto& part : setup.at("parts")) {
-      parts_.push_back({part.at("name").get<std::string>(), peers_load_part(part.at("stl").get<std::string>().c_str())});
+      const auto stl = part.at("stl").get<std::string>();
+      parts_.push_back({part.at("name").get<std::string>(), peers_load_part(stl.c_str())});
       if (!parts_.back().shared) throw std::runtime_error(parts_.back().name + ": no mesh");
     }
     for (const auto& view : setup.at("views")) add_view(view);

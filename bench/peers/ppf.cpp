@@ -16,7 +16,8 @@ namespace {
 using peers::Json;
 namespace ppf = cv::ppf_match_3d;
 
-/// Of the part's diameter. 0.07 takes up to 25 s to train for a flat part and 14 to 77 s a frame, and recognizes no more.
+/// Of the part's diameter. 0.07 takes up to 25 s to train for a flat part and 14 to 77 s a frame; 0.08 got no more
+/// poses right than 0.1.
 constexpr double model_step = 0.1;
 /// So many poses of a part are compared with the frame as they are, with a wide tolerance; the best are refined.
 constexpr std::size_t poses_compared = 300, poses_refined = 4;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-// What several peers share, so that no one is judged or slowed down by another's version of it: plain C, for Python too.
-// Lengths in mm, camera frame x right, y down, z forward; poses are camera_from_model, 16 numbers row by row.
+// What several peers share, so that no one is judged or slowed down by another's version of it: plain C, for Python
+// too. Lengths in mm, camera frame x right, y down, z forward; poses are camera_from_model, 16 numbers row by row.
 #pragma once
 
 #define PEERS_API __attribute__((visibility("default")))
@@ -32,8 +32,8 @@ PEERS_API int peers_good(const float* xyz, int count, int bins, double threshold
                          float* histograms, double* frames);
 
 /// For libraries without these steps: the object's points with normals (6 numbers each): voxel grid, the plane taken
-/// away (`plane_mm` > 0), lone points and clusters that do not stand on it dropped, normals within `radius_mm` turned to the camera.
-/// Returns how many, at most `most`.
+/// away (`plane_mm` > 0), lone points and clusters that do not stand on it dropped, normals within `radius_mm` turned
+/// to the camera. Returns how many, at most `most`.
 PEERS_API int peers_object_cloud(const PeersCamera* camera, const float* depth_mm, double plane_mm, double voxel_mm,
                                  double radius_mm, int most, float* points_and_normals);
 
