@@ -149,14 +149,14 @@ class ModelList:
     """
     Appendix C.1.2: the parts' STL files.
 
-    model_paths: paths to the parts' STL files
+    model_paths: paths to the parts' model files
     """
 
     def __init__(self, values: Mapping[str, Any] | None = None, /, *, model_paths: Sequence[str] = ...) -> None: ...
 
     @property
     def model_paths(self) -> tuple[str, ...]:
-        """paths to the parts' STL files"""
+        """paths to the parts' model files"""
 
     @model_paths.setter
     def model_paths(self, value: Sequence[str], /) -> None: ...
@@ -400,7 +400,7 @@ class DatasetModel:
 
     T1: moves the bounding box's centre to the origin, 4x4 [mm]
     id: names the folder under models/
-    name: the STL file's name without its ending
+    name: the model file's name without its ending, or the part's own
     mesh_hash: tells whether mesh.stl changed since its views were rendered
     symmetries_discrete: motions that map the part onto itself, 4x4 row by row [mm], model frame, without the identity
     symmetries_continuous: axes about which it may be turned by any angle
@@ -426,7 +426,7 @@ class DatasetModel:
 
     @property
     def name(self) -> str:
-        """the STL file's name without its ending"""
+        """the model file's name without its ending, or the part's own"""
 
     @name.setter
     def name(self, value: str, /) -> None: ...

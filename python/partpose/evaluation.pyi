@@ -1,6 +1,7 @@
 # Written by script/make_stubs.
 from collections.abc import Callable, Mapping, Sequence
 import os
+import pathlib
 from typing import Annotated, Any, Self
 
 import numpy
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 import partpose.core
 import partpose.dataset
 import partpose.geometry
+import partpose.io
 import partpose.pipeline
 
 
@@ -26,6 +28,27 @@ def mssd_mm(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(
 
 def mspd_px(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], symmetries: partpose.geometry.Symmetries, intrinsics: partpose.core.Intrinsics) -> float:
     """MSPD: the same in the image, px."""
+
+def ad_mm(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], symmetric: bool) -> float:
+    """AD: ADI of a symmetric object, or else ADD."""
+
+def projection_error_px(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], intrinsics: partpose.core.Intrinsics) -> float:
+    """
+    The mean distance of the vertices' projections in px, symmetry ignored.
+    """
+
+def visible_surface_discrepancy(mesh: partpose.core.TriangleMesh, measured: partpose.core.DepthImage, estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], intrinsics: partpose.core.Intrinsics, diameter_mm: float, delta_mm: float = 15.0) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+    """
+    VSD for each tau of bop_fractions(), in shares of the diameter. The part is rendered at both poses.
+    """
+
+def bop_fractions() -> list[float]:
+    """
+    0.05, 0.10, ..., 0.50: the thresholds of MSSD (shares of the diameter) and VSD, and its taus.
+    """
+
+def bop_pixels() -> list[float]:
+    """5, 10, ..., 50: the thresholds of MSPD in px of an image 640 px wide."""
 
 class GroundTruth:
     """What a scene shows. An empty name: none of the catalogue's parts."""
@@ -391,3 +414,206 @@ class AmbiguitySearch:
 
     def at(self, part: str, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]) -> list[AmbiguousPose]:
         """Best first; empty when the view determines part and pose."""
+
+class PoseJudge:
+    """
+    Judges results by figures that know the parts' symmetries and what a camera can tell apart.
+    """
+
+    def __init__(self, catalogue: partpose.pipeline.Catalogue) -> None: ...
+
+    def judge(self, result: partpose.pipeline.Result, truth: GroundTruth, intrinsics: partpose.core.Intrinsics, depth: partpose.core.DepthImage | None = None, noise: AmbiguityOptions = ...) -> partpose.pipeline.Evaluation:
+        """
+        `evaluate` with ADD, ADI, MSSD, MSPD and VSD beside, and whether the camera can tell part and pose from the truth. `depth`: as measured; None: VSD takes all of the part for visible.
+        """
+
+    def diameter_mm(self, part: str) -> float:
+        """The largest distance of two vertices."""
+
+def mssd_below(evaluation: partpose.pipeline.Evaluation, share_of_diameter: float) -> bool: ...
+
+class CapturedScene:
+    """One object in a scene of a set, or none."""
+
+    @property
+    def path(self) -> pathlib.Path: ...
+
+    @property
+    def kind(self) -> str: ...
+
+    @property
+    def model_name(self) -> str:
+        """Empty: the scene shows none of the set's models."""
+
+    @property
+    def camera_from_model(self) -> list[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]]:
+        """All equivalent poses."""
+
+    def __repr__(self) -> str: ...
+
+class CapturedSet:
+    """Scenes with ground truth."""
+
+    @property
+    def folder(self) -> pathlib.Path: ...
+
+    @property
+    def scenes(self) -> list[CapturedScene]: ...
+
+    @property
+    def symmetries(self) -> dict[str, list[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]]]:
+        """By model name: model_from_model, the identity first."""
+
+    def __repr__(self) -> str: ...
+
+def read_captured_set(folder: str | os.PathLike[str]) -> CapturedSet:
+    """A folder with models/, gt.json and, if it likes, symmetries.json."""
+
+class SymmetricPoseError:
+    """How far a pose is from the nearest equivalent one."""
+
+    @property
+    def rotation_deg(self) -> float: ...
+
+    @property
+    def translation_mm(self) -> float: ...
+
+    @property
+    def largest_displacement_mm(self) -> float:
+        """Of a corner of the part's bounding box."""
+
+    def __repr__(self) -> str: ...
+
+def symmetric_pose_error(camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]], symmetries: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]], mesh: partpose.core.TriangleMesh) -> SymmetricPoseError:
+    """
+    `truth`: equivalent poses; `symmetries`: model_from_model, the identity at least.
+    """
+
+def bop_catalogue(dataset: partpose.io.BopDataset, cache_folder: str | os.PathLike[str] | None = None, progress: Callable[[str, int, int], object] | None = None) -> partpose.pipeline.Catalogue:
+    """The catalogue of those objects of a dataset that its targets ask for."""
+
+def recognize_bop_image(recognizer: partpose.pipeline.PartRecognizer, depth: partpose.core.DepthImage, intrinsics: partpose.core.Intrinsics, wanted: Mapping[int, int], min_score: float) -> list[partpose.io.BopEstimate]:
+    """The instances that are wanted, by obj_id, in one depth image."""
+
+def recognize_bop(dataset: partpose.io.BopDataset, recognizer: partpose.pipeline.PartRecognizer, min_score: float, progress: Callable[[str, int, int], object] | None = None) -> list[partpose.io.BopEstimate]:
+    """The estimates of all targets' images."""
+
+class BopScoreOptions:
+    """How a results file is scored."""
+
+    def __init__(self, *, vsd: bool = True, vsd_delta_mm: float = 15.0, image_width: int = 0) -> None: ...
+
+    @property
+    def vsd(self) -> bool:
+        """Whether VSD is taken, where there are depth images."""
+
+    @property
+    def vsd_delta_mm(self) -> float: ...
+
+    @property
+    def image_width(self) -> int:
+        """px; 0: of camera.json, or else of the depth images."""
+
+    def __repr__(self) -> str: ...
+
+class BopMatch:
+    """An estimate that found a ground truth."""
+
+    @property
+    def scene_id(self) -> int: ...
+
+    @property
+    def im_id(self) -> int: ...
+
+    @property
+    def gt_id(self) -> int: ...
+
+    @property
+    def est_id(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+class BopRecall:
+    """What is found at one threshold."""
+
+    @property
+    def threshold(self) -> float: ...
+
+    @property
+    def targets_count(self) -> int:
+        """Valid ground truths."""
+
+    @property
+    def tp_count(self) -> int: ...
+
+    @property
+    def recall(self) -> float:
+        """Of all targets together."""
+
+    @property
+    def mean_obj_recall(self) -> float: ...
+
+    @property
+    def mean_scene_recall(self) -> float: ...
+
+    @property
+    def obj_recall(self) -> dict[int, float]:
+        """By obj_id."""
+
+    @property
+    def scene_recall(self) -> dict[int, float]:
+        """By scene_id."""
+
+    @property
+    def matches(self) -> list[BopMatch]: ...
+
+    def __repr__(self) -> str: ...
+
+class BopScore:
+    """Recalls by one error."""
+
+    @property
+    def recalls(self) -> list[BopRecall]:
+        """By threshold; of VSD by tau, then by threshold."""
+
+    @property
+    def average_recall(self) -> float: ...
+
+    @property
+    def obj_recall(self) -> dict[int, float]:
+        """The same of each object alone."""
+
+    def __repr__(self) -> str: ...
+
+class BopScores:
+    """Everything about a results file."""
+
+    @property
+    def targets_count(self) -> int:
+        """Instances to be found."""
+
+    @property
+    def estimates_kept(self) -> int: ...
+
+    @property
+    def vsd(self) -> BopScore | None:
+        """None without depth images."""
+
+    @property
+    def mssd(self) -> BopScore: ...
+
+    @property
+    def mspd(self) -> BopScore: ...
+
+    @property
+    def average_recall(self) -> float | None:
+        """AR: the mean of AR_VSD, AR_MSSD and AR_MSPD."""
+
+    @property
+    def average_time_per_image_s(self) -> float:
+        """-1: not known."""
+
+    def __repr__(self) -> str: ...
+
+def score_bop(dataset: partpose.io.BopDataset, estimates: Sequence[partpose.io.BopEstimate], options: BopScoreOptions = ..., progress: Callable[[str, int, int], object] | None = None) -> BopScores:
+    """Scores estimates as the BOP benchmark's localization task does."""

@@ -1,6 +1,6 @@
 # Written by script/make_stubs.
-from collections.abc import Sequence
-from typing import Annotated, Any
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, Self
 
 import numpy
 import numpy.typing
@@ -177,3 +177,186 @@ class DistanceGrid:
         """In mm, right to about half a cell."""
 
     def cell_mm(self) -> float: ...
+
+class MeshInspection:
+    """
+    What a person should know before trusting a mesh.
+
+    triangles = 0: of the file, all kinds
+    vertices = 0: different ones that triangles use
+    size_mm = (0.0, 0.0, 0.0): of the bounding box along x, y, z [mm]
+    diagonal_mm = 0.0: of the bounding box [mm]
+    area_mm2 = 0.0: of all triangles [mm^2]
+    volume_mm3 = None: enclosed [mm^3]; of watertight meshes without flipped triangles only
+    watertight = False: every edge belongs to an even number of triangles, at least two
+    open_edges = 0: edges of one triangle, or of an odd number: the surface has a gap there
+    non_manifold_edges = 0: edges of more than two triangles: sheets that meet
+    shells = 0: pieces of surface that no edge connects
+    degenerate_triangles = 0: triangles without area
+    duplicate_triangles = 0: triangles that are there already, wound either way
+    flipped_triangles = 0: triangles that face inwards: repair turns so many
+    unit_guess = '': "metre" or "inch" when the size is that of a common part in this unit, "micrometre" when it is huge; else empty
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, triangles: int = 0, vertices: int = 0, size_mm: Sequence[float] = (0.0, 0.0, 0.0), diagonal_mm: float = 0.0, area_mm2: float = 0.0, volume_mm3: float | None = None, watertight: bool = False, open_edges: int = 0, non_manifold_edges: int = 0, shells: int = 0, degenerate_triangles: int = 0, duplicate_triangles: int = 0, flipped_triangles: int = 0, unit_guess: str = '') -> None: ...
+
+    @property
+    def triangles(self) -> int:
+        """of the file, all kinds"""
+
+    @triangles.setter
+    def triangles(self, value: int, /) -> None: ...
+
+    @property
+    def vertices(self) -> int:
+        """different ones that triangles use"""
+
+    @vertices.setter
+    def vertices(self, value: int, /) -> None: ...
+
+    @property
+    def size_mm(self) -> tuple[float, ...]:
+        """of the bounding box along x, y, z [mm]"""
+
+    @size_mm.setter
+    def size_mm(self, value: Sequence[float], /) -> None: ...
+
+    @property
+    def diagonal_mm(self) -> float:
+        """of the bounding box [mm]"""
+
+    @diagonal_mm.setter
+    def diagonal_mm(self, value: float, /) -> None: ...
+
+    @property
+    def area_mm2(self) -> float:
+        """of all triangles [mm^2]"""
+
+    @area_mm2.setter
+    def area_mm2(self, value: float, /) -> None: ...
+
+    @property
+    def volume_mm3(self) -> float | None:
+        """enclosed [mm^3]; of watertight meshes without flipped triangles only"""
+
+    @volume_mm3.setter
+    def volume_mm3(self, value: float | None, /) -> None: ...
+
+    @property
+    def watertight(self) -> bool:
+        """every edge belongs to an even number of triangles, at least two"""
+
+    @watertight.setter
+    def watertight(self, value: bool, /) -> None: ...
+
+    @property
+    def open_edges(self) -> int:
+        """
+        edges of one triangle, or of an odd number: the surface has a gap there
+        """
+
+    @open_edges.setter
+    def open_edges(self, value: int, /) -> None: ...
+
+    @property
+    def non_manifold_edges(self) -> int:
+        """edges of more than two triangles: sheets that meet"""
+
+    @non_manifold_edges.setter
+    def non_manifold_edges(self, value: int, /) -> None: ...
+
+    @property
+    def shells(self) -> int:
+        """pieces of surface that no edge connects"""
+
+    @shells.setter
+    def shells(self, value: int, /) -> None: ...
+
+    @property
+    def degenerate_triangles(self) -> int:
+        """triangles without area"""
+
+    @degenerate_triangles.setter
+    def degenerate_triangles(self, value: int, /) -> None: ...
+
+    @property
+    def duplicate_triangles(self) -> int:
+        """triangles that are there already, wound either way"""
+
+    @duplicate_triangles.setter
+    def duplicate_triangles(self, value: int, /) -> None: ...
+
+    @property
+    def flipped_triangles(self) -> int:
+        """triangles that face inwards: repair turns so many"""
+
+    @flipped_triangles.setter
+    def flipped_triangles(self, value: int, /) -> None: ...
+
+    @property
+    def unit_guess(self) -> str:
+        """
+        "metre" or "inch" when the size is that of a common part in this unit, "micrometre" when it is huge; else empty
+        """
+
+    @unit_guess.setter
+    def unit_guess(self, value: str, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def sound(self) -> bool:
+        """Nothing that repair or a person should look at; size aside."""
+
+def inspect_mesh(mesh: partpose.core.TriangleMesh) -> MeshInspection:
+    """Size, gaps, shells, degenerate and flipped triangles."""
+
+def guess_unit(diagonal_mm: float) -> str:
+    """
+    In which unit a part of this diagonal (its number taken as mm) more likely is: "metre", "inch", "micrometre", else empty.
+    """
+
+def mm_per_unit(unit: str) -> float:
+    """One of guess_unit's in mm; 1 for any other text."""
+
+class MeshRepair:
+    """A repaired mesh, and what was done."""
+
+    @property
+    def mesh(self) -> partpose.core.TriangleMesh: ...
+
+    @property
+    def weld_distance_mm(self) -> float: ...
+
+    @property
+    def welded_vertices(self) -> int: ...
+
+    @property
+    def removed_degenerate(self) -> int: ...
+
+    @property
+    def removed_duplicates(self) -> int: ...
+
+    @property
+    def turned_triangles(self) -> int: ...
+
+    def changed_anything(self) -> bool: ...
+
+    def __repr__(self) -> str: ...
+
+def repair_mesh(mesh: partpose.core.TriangleMesh, weld_distance_mm: float | None = None) -> MeshRepair:
+    """
+    Welds vertices, removes triangles that say nothing, turns the surface outwards. The shape stays.
+    """

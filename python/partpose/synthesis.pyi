@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 import partpose.camera
 import partpose.core
+import partpose.io
 
 
 class RestingPoseOptions:
@@ -543,3 +544,30 @@ class SceneGenerator:
 
 def write_scene_dataset(catalogue: Sequence[tuple[str, partpose.core.TriangleMesh]], unknown: Sequence[tuple[str, partpose.core.TriangleMesh]], options: SceneDatasetOptions, frames: int, folder: str | os.PathLike[str], progress: Callable[[str, int, int], object] | None = None) -> None:
     """Draws frames and writes them as a BOP dataset."""
+
+class SceneDataset:
+    """A dataset that write_scene_dataset wrote."""
+
+    @property
+    def bop(self) -> partpose.io.BopDataset: ...
+
+    @property
+    def options(self) -> SceneDatasetOptions:
+        """As it was made."""
+
+    @property
+    def part_names(self) -> dict[int, str]:
+        """By obj_id."""
+
+    @property
+    def unknown_names(self) -> dict[int, str]:
+        """Parts that are not in the catalogue, by their obj_id."""
+
+    @property
+    def unknown(self) -> dict[int, partpose.io.BopScene]:
+        """By scene_id: where these are."""
+
+    def __repr__(self) -> str: ...
+
+def read_scene_dataset(folder: str | os.PathLike[str]) -> SceneDataset:
+    """Error when the folder is no such dataset, or is damaged."""

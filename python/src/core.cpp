@@ -10,6 +10,7 @@
 #include "partpose/geometry/distance_grid.hpp"
 #include "partpose/geometry/icosphere.hpp"
 #include "partpose/geometry/kd_tree.hpp"
+#include "partpose/geometry/mesh_inspection.hpp"
 #include "partpose/geometry/normals.hpp"
 #include "partpose/geometry/plane.hpp"
 #include "partpose/geometry/surface_distance.hpp"
@@ -330,6 +331,30 @@ void bind_core_room(nb::module_& m) {
           nb::sig("def __exit__(self, *args: object) -> None"));
 }
 
+void bind_inspection(nb::module_& m) {
+  const auto released = nb::call_guard<nb::gil_scoped_release>();
+  bind_described<MeshInspection>(m, "MeshInspection", "What a person should know before trusting a mesh.")
+      .def("sound", &MeshInspection::sound, "Nothing that repair or a person should look at; size aside.");
+  m.def("inspect_mesh", &inspect_mesh, "mesh"_a, released, "Size, gaps, shells, degenerate and flipped triangles.");
+  m.def("guess_unit", &guess_unit, "diagonal_mm"_a,
+        "In which unit a part of this diagonal (its number taken as mm) more likely is: \"metre\", \"inch\", "
+        "\"micrometre\", else empty.");
+  m.def("mm_per_unit", &mm_per_unit, "unit"_a, "One of guess_unit's in mm; 1 for any other text.");
+  nb::class_<MeshRepair> repair(m, "MeshRepair", "A repaired mesh, and what was done.");
+  repair
+      .def_prop_ro(
+          "mesh", [](const MeshRepair& self) { return &self.mesh; }, nb::rv_policy::reference_internal)
+      .def_ro("weld_distance_mm", &MeshRepair::weld_distance_mm)
+      .def_ro("welded_vertices", &MeshRepair::welded_vertices)
+      .def_ro("removed_degenerate", &MeshRepair::removed_degenerate)
+      .def_ro("removed_duplicates", &MeshRepair::removed_duplicates)
+      .def_ro("turned_triangles", &MeshRepair::turned_triangles)
+      .def("changed_anything", &MeshRepair::changed_anything);
+  bind_repr(repair, {"mesh", "welded_vertices", "removed_degenerate", "removed_duplicates", "turned_triangles"});
+  m.def("repair_mesh", &repair_mesh, "mesh"_a, "weld_distance_mm"_a = nb::none(), released,
+        "Welds vertices, removes triangles that say nothing, turns the surface outwards. The shape stays.");
+}
+
 void bind_geometry_room(nb::module_& m) {
   const auto released = nb::call_guard<nb::gil_scoped_release>();
   m.def("voxel_grid", &voxel_grid, "cloud"_a, "voxel_mm"_a, released, "One point per occupied cell: their centroid.");
@@ -576,6 +601,7 @@ void bind_core(nb::module_& parent) {
   bind_core_room(core);
   auto geometry = room(parent, "geometry", "Neighbours, voxel grid, normals, planes, hulls, symmetries.");
   bind_geometry_room(geometry);
+  bind_inspection(geometry);
 }
 
 }  // namespace partpose::python

@@ -5,18 +5,29 @@
 #include "recognition.hpp"
 #include "rooms.hpp"
 
+#include "partpose/camera/rasterizer.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/ambiguity.hpp"
+#include "partpose/evaluation/captured_set.hpp"
 #include "partpose/evaluation/experiment.hpp"
 #include "partpose/evaluation/pose_error.hpp"
+#include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/geometry/symmetries.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
+
+#include <nanobind/stl/map.h>
 
 namespace partpose::python {
 
 namespace {
 
 const auto released = nb::call_guard<nb::gil_scoped_release>();
+
+Eigen::Matrix3d matrix_of(const Intrinsics& camera) {
+  Eigen::Matrix3d K;
+  K << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+  return K;
+}
 
 void bind_pose_errors(nb::module_& m) {
   m.def(
@@ -43,12 +54,97 @@ void bind_pose_errors(nb::module_& m) {
       "mspd_px",
       [](const Points& vertices, const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
          const Symmetries& symmetries, const Intrinsics& camera) {
-        Eigen::Matrix3d K;
-        K << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-        return mspd_px(vertices.span(), estimate, truth, symmetry_transformations(symmetries), K);
+        return mspd_px(vertices.span(), estimate, truth, symmetry_transformations(symmetries), matrix_of(camera));
       },
       "vertices"_a, "estimate"_a, "truth"_a, "symmetries"_a, "intrinsics"_a, released,
       "MSPD: the same in the image, px.");
+  m.def(
+      "ad_mm",
+      [](const Points& vertices, const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth, bool symmetric) {
+        return ad_mm(vertices.span(), estimate, truth, symmetric);
+      },
+      "vertices"_a, "estimate"_a, "truth"_a, "symmetric"_a, released, "AD: ADI of a symmetric object, or else ADD.");
+  m.def(
+      "projection_error_px",
+      [](const Points& vertices, const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
+         const Intrinsics& camera) {
+        return projection_error_px(vertices.span(), estimate, truth, matrix_of(camera));
+      },
+      "vertices"_a, "estimate"_a, "truth"_a, "intrinsics"_a, released,
+      "The mean distance of the vertices' projections in px, symmetry ignored.");
+  m.def(
+      "visible_surface_discrepancy",
+      [](const TriangleMesh& mesh, const DepthImage& measured, const Eigen::Isometry3d& estimate,
+         const Eigen::Isometry3d& truth, const Intrinsics& camera, double diameter_mm, double delta_mm) {
+        const Eigen::Matrix3d K = matrix_of(camera);
+        const auto distances = [&](const Eigen::Isometry3d& pose) {
+          return distance_image(render(mesh, pose, camera).depth, K);
+        };
+        const std::span<const double> taus = bop_fractions();
+        return array_of(visible_surface_discrepancy(distance_image(measured, K), distances(estimate), distances(truth),
+                                                    diameter_mm, taus, {delta_mm})
+                            .vsd);
+      },
+      "mesh"_a, "measured"_a, "estimate"_a, "truth"_a, "intrinsics"_a, "diameter_mm"_a,
+      "delta_mm"_a = VsdOptions{}.delta_mm,
+      "VSD for each tau of bop_fractions(), in shares of the diameter. The part is rendered at both poses.");
+  m.def("bop_fractions", [] { return std::vector<double>(bop_fractions().begin(), bop_fractions().end()); },
+        "0.05, 0.10, ..., 0.50: the thresholds of MSSD (shares of the diameter) and VSD, and its taus.");
+  m.def("bop_pixels", [] { return std::vector<double>(bop_pixels().begin(), bop_pixels().end()); },
+        "5, 10, ..., 50: the thresholds of MSPD in px of an image 640 px wide.");
+}
+
+void bind_captured_sets(nb::module_& m) {
+  nb::class_<CapturedScene> scene(m, "CapturedScene", "One object in a scene of a set, or none.");
+  scene.def_ro("path", &CapturedScene::path)
+      .def_ro("kind", &CapturedScene::kind)
+      .def_ro("model_name", &CapturedScene::model_name, "Empty: the scene shows none of the set's models.")
+      .def_ro("camera_from_model", &CapturedScene::camera_from_model, "All equivalent poses.");
+  bind_repr(scene, {"path", "kind", "model_name"});
+  nb::class_<CapturedSet> set(m, "CapturedSet", "Scenes with ground truth.");
+  set.def_ro("folder", &CapturedSet::folder)
+      .def_ro("scenes", &CapturedSet::scenes)
+      .def_ro("symmetries", &CapturedSet::symmetries, "By model name: model_from_model, the identity first.");
+  set.attr("__repr__") = nb::cpp_function(
+      [](const CapturedSet& self) {
+        return fmt::format("CapturedSet('{}', {} scenes)", self.folder.string(), self.scenes.size());
+      },
+      nb::name("__repr__"), nb::scope(set), nb::is_method());
+  m.def("read_captured_set", &read_captured_set, "folder"_a,
+        "A folder with models/, gt.json and, if it likes, symmetries.json.");
+  nb::class_<SymmetricPoseError> error(m, "SymmetricPoseError", "How far a pose is from the nearest equivalent one.");
+  error.def_ro("rotation_deg", &SymmetricPoseError::rotation_deg)
+      .def_ro("translation_mm", &SymmetricPoseError::translation_mm)
+      .def_ro("largest_displacement_mm", &SymmetricPoseError::largest_displacement_mm,
+              "Of a corner of the part's bounding box.");
+  bind_repr(error, {"rotation_deg", "translation_mm", "largest_displacement_mm"});
+  m.def(
+      "symmetric_pose_error",
+      [](const Eigen::Isometry3d& camera_from_model, const std::vector<Eigen::Isometry3d>& truth,
+         const std::vector<Eigen::Isometry3d>& symmetries, const TriangleMesh& mesh) {
+        if (truth.empty() || symmetries.empty()) throw Error("truth and symmetries: give one pose at least");
+        return symmetric_pose_error(camera_from_model, truth, symmetries, bounding_box(mesh));
+      },
+      "camera_from_model"_a, "truth"_a, "symmetries"_a, "mesh"_a, released,
+      "`truth`: equivalent poses; `symmetries`: model_from_model, the identity at least.");
+}
+
+void bind_judge(nb::module_& m) {
+  nb::class_<PoseJudge>(m, "PoseJudge",
+                        "Judges results by figures that know the parts' symmetries and what a camera can tell apart.")
+      .def(nb::init<const Catalogue&>(), "catalogue"_a, released)
+      .def(
+          "judge",
+          [](const PoseJudge& self, const Result& result, const GroundTruth& truth, const Intrinsics& camera,
+             const DepthImage* depth, const AmbiguityOptions& noise) {
+            noise.check();
+            return self.judge(result, truth, {camera, depth ? *depth : DepthImage(), noise});
+          },
+          "result"_a, "truth"_a, "intrinsics"_a, "depth"_a = nb::none(), "noise"_a = AmbiguityOptions{}, released,
+          "`evaluate` with ADD, ADI, MSSD, MSPD and VSD beside, and whether the camera can tell part and pose from the "
+          "truth. `depth`: as measured; None: VSD takes all of the part for visible.")
+      .def("diameter_mm", &PoseJudge::diameter_mm, "part"_a, "The largest distance of two vertices.");
+  m.def("mssd_below", &mssd_below, "evaluation"_a, "share_of_diameter"_a);
 }
 
 void bind_accuracy(nb::module_& m) {
@@ -91,7 +187,8 @@ void bind_accuracy(nb::module_& m) {
       [](const GlobalPipeline& pipeline, const Dataset& test, const Callback& progress,
          const std::optional<std::filesystem::path>& output) {
         const auto save = [&](const ProtocolFrame& frame, const Recognition& recognition, const PointCloud& scene) {
-          const auto folder = write_iteration(*output, recognition, scene, pipeline.catalogue(), pipeline.config());
+          const Scene view{test.view_path(frame.truth.model_id, frame.truth.view_id), scene, {}, {}};
+          const auto folder = write_iteration(*output, recognition, view, pipeline.catalogue(), pipeline.config());
           write_json(folder / "evaluation.json", frame.evaluation);
           write_json(folder / "evaluation_dataset.json", test.out);
         };
@@ -179,6 +276,8 @@ void bind_evaluation(nb::module_& parent) {
   bind_pose_errors(evaluation);
   bind_accuracy(evaluation);
   bind_ambiguity(evaluation);
+  bind_judge(evaluation);
+  bind_captured_sets(evaluation);
 }
 
 }  // namespace partpose::python

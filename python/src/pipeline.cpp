@@ -5,7 +5,6 @@
 #include "rooms.hpp"
 
 #include "partpose/dataset/dataset.hpp"
-#include "partpose/io/model_files.hpp"
 #include "partpose/pipeline/catalogue_cache.hpp"
 #include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/global_pipeline.hpp"
@@ -139,6 +138,53 @@ nb::object part_of(const Recognized& self) {
   return nb::cast(self.recognition.result.model_name);
 }
 
+using Covariance = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+
+void bind_detections(nb::module_& m) {
+  nb::class_<NamedAlternative> alternative(m, "Alternative", "Another part or pose that explains an object too.");
+  alternative.def_ro("part", &NamedAlternative::part)
+      .def_prop_ro("camera_from_model", [](const NamedAlternative& self) { return self.alternative.camera_from_model; })
+      .def_prop_ro(
+          "probability", [](const NamedAlternative& self) { return self.alternative.probability; }, "0 to 1.");
+  bind_repr(alternative, {"part", "probability", "camera_from_model"});
+
+  nb::class_<NamedDetection> detection(m, "Detection", "A part found in a frame.");
+  detection.def_ro("part", &NamedDetection::part, "Its name.")
+      .def_prop_ro(
+          "camera_from_model", [](const NamedDetection& self) { return self.detection.camera_from_model; },
+          "The pose, mm.")
+      .def_prop_ro("score", [](const NamedDetection& self) { return self.detection.score; }, "0 to 1.")
+      .def_prop_ro(
+          "confidence",
+          [](const NamedDetection& self) -> std::optional<double> {
+            if (!self.has_confidence) return {};
+            return self.detection.confidence;
+          },
+          "Probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1. None: this "
+          "recognizer states none.")
+      .def_prop_ro(
+          "covariance",
+          [](const NamedDetection& self) -> std::optional<Covariance> {
+            if (!self.has_confidence) return {};
+            return Covariance(self.detection.covariance);
+          },
+          nb::sig("def covariance(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], dict(shape=(6, 6))] | "
+                  "None"),
+          "6 x 6, of a small rotation vector [rad] and translation [mm] of the part, about its box's middle, in the "
+          "camera's axes. None: this recognizer states none.")
+      .def_ro("alternatives", &NamedDetection::alternatives,
+              "Likeliest first; poses that are the same by symmetry are not listed.");
+  detection.attr("__repr__") = nb::cpp_function(
+      [](const NamedDetection& self) {
+        const Eigen::Vector3d t = self.detection.camera_from_model.translation();
+        return fmt::format("Detection({} at ({:.1f}, {:.1f}, {:.1f}) mm, score {:.3f}{}; {} alternatives)", self.part,
+                           t.x(), t.y(), t.z(), self.detection.score,
+                           self.has_confidence ? fmt::format(", confidence {:.3f}", self.detection.confidence) : "",
+                           self.alternatives.size());
+      },
+      nb::name("__repr__"), nb::scope(detection), nb::is_method());
+}
+
 void bind_recognition(nb::module_& m) {
   nb::class_<Recognized> recognition(m, "Recognition",
                                      "What happened to one scene; false when nothing was recognized.");
@@ -161,6 +207,21 @@ void bind_recognition(nb::module_& m) {
             return r.candidates[static_cast<std::size_t>(std::max(r.accepted, 0))].score;
           },
           "0 to 1, of the best candidate, accepted or not; -1: there was none.")
+      .def_prop_ro(
+          "confidence",
+          [](const Recognized& self) -> std::optional<double> {
+            if (!self.best() || !self.best()->has_confidence) return {};
+            return self.best()->detection.confidence;
+          },
+          "Probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1. None: nothing "
+          "was recognized, or this recognizer states none.")
+      .def_prop_ro(
+          "alternatives",
+          [](const Recognized& self) {
+            return self.best() ? self.best()->alternatives : std::vector<NamedAlternative>();
+          },
+          "Other parts and poses that explain the object too, likeliest first.")
+      .def_ro("detections", &Recognized::detections, "All objects that were recognized, the result first.")
       .def_prop_ro(
           "candidates", [](const Recognized& self) { return self.extras.candidate_extras; },
           "In the order of the decision, each with its pose T_final and its verdict.")
@@ -204,9 +265,12 @@ void bind_recognition(nb::module_& m) {
           return fmt::format("Recognition(nothing: {}; {} candidates, {:.0f} ms)", r.reason, r.candidates.size(),
                              r.total_ms());
         const Eigen::Vector3d t = r.result.T_final.translation();
-        return fmt::format("Recognition({} at ({:.1f}, {:.1f}, {:.1f}) mm, score {:.3f}; {} candidates, {:.0f} ms)",
+        const NamedDetection& best = self.detections.front();
+        return fmt::format("Recognition({} at ({:.1f}, {:.1f}, {:.1f}) mm, score {:.3f}{}; {} candidates, {:.0f} ms{})",
                            r.result.model_name, t.x(), t.y(), t.z(), r.candidates[std::size_t(r.accepted)].score,
-                           r.candidates.size(), r.total_ms());
+                           best.has_confidence ? fmt::format(", confidence {:.3f}", best.detection.confidence) : "",
+                           r.candidates.size(), r.total_ms(),
+                           self.detections.size() > 1 ? fmt::format("; {} objects", self.detections.size()) : "");
       },
       nb::name("__repr__"), nb::scope(recognition), nb::is_method());
 
@@ -273,16 +337,11 @@ void bind_recognition(nb::module_& m) {
           "from_files",
           [](const std::vector<fs::path>& files_or_folders, const RecognizerOptions& options,
              const std::optional<fs::path>& cache_folder, const Callback& progress) {
-            std::vector<fs::path> paths;
-            for (const auto& path : files_or_folders) {
-              const auto found = model_files(path);
-              paths.insert(paths.end(), found.begin(), found.end());
-            }
             const fs::path cache = cache_folder ? *cache_folder : default_cache_folder();
             return interruptible(progress, [&](const Progress& told) {
-              return new Recognizer(
-                  cached_catalogue(paths, DatasetPreparationConfig{}, Recognizer::catalogue_config(), cache, told),
-                  options);
+              return new Recognizer(cached_catalogue(files_or_folders, DatasetPreparationConfig{},
+                                                     Recognizer::catalogue_config(), cache, told),
+                                    options);
             });
           },
           "paths"_a, "options"_a = RecognizerOptions{}, "cache_folder"_a = nb::none(), "progress"_a = nb::none(),
@@ -321,7 +380,7 @@ void bind_outputs(nb::module_& m) {
       .def_prop_ro("config", &GlobalPipeline::config, nb::rv_policy::copy);
   m.def(
       "write_iteration",
-      [](const fs::path& folder, const Recognized& recognition, const PointCloud& scene, const Catalogue& catalogue,
+      [](const fs::path& folder, const Recognized& recognition, const Scene& scene, const Catalogue& catalogue,
          const GlobalPipelineConfig& config) {
         return write_iteration(folder, recognition.recognition, scene, catalogue, config);
       },
@@ -360,9 +419,23 @@ Scene depth_scene(DepthImage depth, const Intrinsics& camera) {
 }
 
 Recognized recognized(const PartRecognizer& recognizer, const Scene& scene) {
-  Recognized out{recognizer.recognize(scene), {}, {}};
-  out.extras = extras_of(out.recognition, recognizer.catalogue());
-  for (const auto& model : recognizer.catalogue().dataset.out.models)
+  Recognized out{recognizer.recognize(scene), {}, {}, {}};
+  const Catalogue& catalogue = recognizer.catalogue();
+  const auto name_of = [&](int part) { return catalogue.parts.at(static_cast<std::size_t>(part)).name; };
+  const Recognition& r = out.recognition;
+  out.extras = extras_of(r, catalogue);
+  for (const Detection& detection : r.detections) {
+    NamedDetection named{name_of(detection.part), detection, detection.confidence > 0 || !detection.covariance.isZero(0)};
+    for (const auto& each : detection.alternatives) named.alternatives.push_back({name_of(each.part), each});
+    out.detections.push_back(std::move(named));
+  }
+  if (out.detections.empty() && r.accepted >= 0) {
+    Detection only;
+    only.camera_from_model = r.result.T_final;
+    only.score = r.candidates[static_cast<std::size_t>(r.accepted)].score;
+    out.detections.push_back({r.result.model_name, only});
+  }
+  for (const auto& model : catalogue.dataset.out.models)
     if (out.recognition.accepted >= 0 && model.id == out.recognition.result.model_id)
       out.symmetries = model.symmetries.symmetries();
   return out;
@@ -375,6 +448,7 @@ void bind_pipeline(nb::module_& parent) {
   bind_records(pipeline);
   bind_global_pipeline(pipeline);
   bind_catalogue(pipeline);
+  bind_detections(pipeline);
   bind_recognition(pipeline);
   bind_outputs(pipeline);
 }
