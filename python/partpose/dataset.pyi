@@ -272,7 +272,8 @@ class ModelSymmetries:
 
     def __reduce__(self) -> tuple[Any, ...]: ...
 
-    def symmetries(self) -> partpose.geometry.Symmetries: ...
+    def symmetries(self) -> partpose.geometry.Symmetries:
+        """The same as Symmetries."""
 
 class ModelInfo:
     """
@@ -484,7 +485,8 @@ class DatasetModel:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
     @property
-    def symmetries(self) -> partpose.geometry.Symmetries: ...
+    def symmetries(self) -> partpose.geometry.Symmetries:
+        """As the dataset states them."""
 
 class DatasetView:
     """
@@ -576,18 +578,24 @@ class Dataset:
     """The folder of appendix C.1.4."""
 
     @property
-    def folder(self) -> pathlib.Path: ...
+    def folder(self) -> pathlib.Path:
+        """Where it is."""
 
     @property
-    def out(self) -> DatasetOut: ...
+    def out(self) -> DatasetOut:
+        """What dataset.json says."""
 
-    def model_folder(self, model_id: int) -> pathlib.Path: ...
+    def model_folder(self, model_id: int) -> pathlib.Path:
+        """The folder of a model."""
 
-    def mesh_path(self, model_id: int) -> pathlib.Path: ...
+    def mesh_path(self, model_id: int) -> pathlib.Path:
+        """The mesh of a model."""
 
-    def view_path(self, model_id: int, view_id: int) -> pathlib.Path: ...
+    def view_path(self, model_id: int, view_id: int) -> pathlib.Path:
+        """The cloud of a model's view."""
 
-    def camera_from_model(self, model_index: int, view_index: int) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self, model_index: int, view_index: int) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """The pose of a model in a view."""
 
     def __repr__(self) -> str: ...
 

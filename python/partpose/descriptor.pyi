@@ -471,23 +471,28 @@ class Description:
     def histogram(self) -> Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None,))]: ...
 
     @property
-    def centroid_mm(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]: ...
+    def centroid_mm(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]:
+        """Of the points described."""
 
     @property
-    def support(self) -> int: ...
+    def support(self) -> int:
+        """How many points are described."""
 
     @property
-    def valid(self) -> bool: ...
+    def valid(self) -> bool:
+        """False: nothing can be said of these points."""
 
     @property
-    def camera_from_reference(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')] | None: ...
+    def camera_from_reference(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')] | None:
+        """The descriptor's reference frame; None: it has none."""
 
     def __repr__(self) -> str: ...
 
 class GlobalDescriptor:
     """A descriptor of a whole, segmented cloud with normals."""
 
-    def bins(self) -> int: ...
+    def bins(self) -> int:
+        """The length of its histograms."""
 
     def describe(self, cloud: partpose.core.PointCloud) -> list[Description]:
         """Nothing for a cloud that it is not defined for."""

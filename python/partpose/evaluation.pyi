@@ -56,16 +56,20 @@ class GroundTruth:
     def __init__(self, model_name: str, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], model_id: int = -1, view_id: int = -1) -> None: ...
 
     @property
-    def model_name(self) -> str: ...
+    def model_name(self) -> str:
+        """Of the part shown."""
 
     @property
-    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """Its pose."""
 
     @property
-    def model_id(self) -> int: ...
+    def model_id(self) -> int:
+        """Its number in the dataset; -1: not known."""
 
     @property
-    def view_id(self) -> int: ...
+    def view_id(self) -> int:
+        """Of the dataset's view; -1: it is none."""
 
     def __repr__(self) -> str: ...
 
@@ -76,16 +80,20 @@ class ProtocolFrame:
     """A dataset's view as a test scene."""
 
     @property
-    def truth(self) -> GroundTruth: ...
+    def truth(self) -> GroundTruth:
+        """What was shown."""
 
     @property
-    def result(self) -> partpose.pipeline.Result: ...
+    def result(self) -> partpose.pipeline.Result:
+        """What was recognized."""
 
     @property
-    def evaluation(self) -> partpose.pipeline.Evaluation: ...
+    def evaluation(self) -> partpose.pipeline.Evaluation:
+        """How they compare."""
 
     @property
-    def time_ms(self) -> float: ...
+    def time_ms(self) -> float:
+        """Of the recognition."""
 
     def __repr__(self) -> str: ...
 
@@ -93,34 +101,44 @@ class ProtocolSummary:
     """What some frames came to."""
 
     @property
-    def frames(self) -> int: ...
+    def frames(self) -> int:
+        """How many."""
 
     @property
-    def correct(self) -> int: ...
+    def correct(self) -> int:
+        """The part is right."""
 
     @property
-    def wrong(self) -> int: ...
+    def wrong(self) -> int:
+        """Another part."""
 
     @property
-    def none(self) -> int: ...
+    def none(self) -> int:
+        """Nothing recognized."""
 
     @property
     def pose_right(self) -> int:
         """Correct, and within both limits."""
 
     @property
-    def median_ms(self) -> float: ...
+    def median_ms(self) -> float:
+        """Time of a frame."""
 
     @property
-    def p95_ms(self) -> float: ...
+    def p95_ms(self) -> float:
+        """Time of a frame that 95 % stay below."""
 
-    def correct_percent(self) -> float: ...
+    def correct_percent(self) -> float:
+        """Of all frames."""
 
-    def wrong_percent(self) -> float: ...
+    def wrong_percent(self) -> float:
+        """Of all frames."""
 
-    def none_percent(self) -> float: ...
+    def none_percent(self) -> float:
+        """Of all frames."""
 
-    def pose_right_percent(self) -> float: ...
+    def pose_right_percent(self) -> float:
+        """Of all frames."""
 
     def __repr__(self) -> str: ...
 
@@ -129,7 +147,8 @@ def run_protocol(pipeline: partpose.pipeline.GlobalPipeline, test: partpose.data
     Runs the pipeline on every view of every model of `test` (reference, 6.2.1). `output`: where each frame's iteration folder, with evaluation.json, goes.
     """
 
-def summarize(frames: Sequence[ProtocolFrame], limit_deg: float = 15.0, limit_mm: float = 15.0) -> ProtocolSummary: ...
+def summarize(frames: Sequence[ProtocolFrame], limit_deg: float = 15.0, limit_mm: float = 15.0) -> ProtocolSummary:
+    """Counts; a pose is right below both limits, symmetry ignored."""
 
 class FrameRecord:
     """
@@ -367,17 +386,22 @@ class DepthDifference:
     """How far apart two depth images are."""
 
     @property
-    def union_px(self) -> int: ...
+    def union_px(self) -> int:
+        """Pixels where either part is seen."""
 
     @property
-    def differing_px(self) -> int: ...
+    def differing_px(self) -> int:
+        """Of them: those that differ by more than noise."""
 
     @property
-    def rms_sigmas(self) -> float: ...
+    def rms_sigmas(self) -> float:
+        """Of the others, in standard deviations."""
 
-    def share(self) -> float: ...
+    def share(self) -> float:
+        """differing_px / union_px."""
 
-    def indistinguishable(self, options: AmbiguityOptions = ...) -> bool: ...
+    def indistinguishable(self, options: AmbiguityOptions = ...) -> bool:
+        """Whether a camera with this noise sees no difference."""
 
     def __repr__(self) -> str: ...
 
@@ -392,13 +416,16 @@ class AmbiguousPose:
         """Index of whose; may be another part than the one seen."""
 
     @property
-    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """The other pose."""
 
     @property
-    def difference(self) -> DepthDifference: ...
+    def difference(self) -> DepthDifference:
+        """How the two depth images differ."""
 
     @property
-    def displacement_mm(self) -> float: ...
+    def displacement_mm(self) -> float:
+        """How far a point of the part is moved at most."""
 
     def __repr__(self) -> str: ...
 
@@ -410,7 +437,8 @@ class AmbiguitySearch:
     def __init__(self, catalogue: partpose.pipeline.Catalogue, intrinsics: partpose.core.Intrinsics, difference: AmbiguityOptions = ..., min_displacement: float = 0.05, turn_step_deg: float = 10.0, most_poses: int = 40) -> None: ...
 
     @property
-    def names(self) -> list[str]: ...
+    def names(self) -> list[str]:
+        """Of its parts."""
 
     def at(self, part: str, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]) -> list[AmbiguousPose]:
         """Best first; empty when the view determines part and pose."""
@@ -430,16 +458,21 @@ class PoseJudge:
     def diameter_mm(self, part: str) -> float:
         """The largest distance of two vertices."""
 
-def mssd_below(evaluation: partpose.pipeline.Evaluation, share_of_diameter: float) -> bool: ...
+def mssd_below(evaluation: partpose.pipeline.Evaluation, share_of_diameter: float) -> bool:
+    """
+    Whether the largest deviation (MSSD) is below a share of the part's diameter.
+    """
 
 class CapturedScene:
     """One object in a scene of a set, or none."""
 
     @property
-    def path(self) -> pathlib.Path: ...
+    def path(self) -> pathlib.Path:
+        """Its file."""
 
     @property
-    def kind(self) -> str: ...
+    def kind(self) -> str:
+        """What it shows beside the object, as with_table."""
 
     @property
     def model_name(self) -> str:
@@ -455,10 +488,12 @@ class CapturedSet:
     """Scenes with ground truth."""
 
     @property
-    def folder(self) -> pathlib.Path: ...
+    def folder(self) -> pathlib.Path:
+        """Where it is."""
 
     @property
-    def scenes(self) -> list[CapturedScene]: ...
+    def scenes(self) -> list[CapturedScene]:
+        """As gt.json lists them."""
 
     @property
     def symmetries(self) -> dict[str, list[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]]]:
@@ -473,10 +508,12 @@ class SymmetricPoseError:
     """How far a pose is from the nearest equivalent one."""
 
     @property
-    def rotation_deg(self) -> float: ...
+    def rotation_deg(self) -> float:
+        """Angle between the two."""
 
     @property
-    def translation_mm(self) -> float: ...
+    def translation_mm(self) -> float:
+        """Distance of the two origins."""
 
     @property
     def largest_displacement_mm(self) -> float:
@@ -508,7 +545,8 @@ class BopScoreOptions:
         """Whether VSD is taken, where there are depth images."""
 
     @property
-    def vsd_delta_mm(self) -> float: ...
+    def vsd_delta_mm(self) -> float:
+        """A surface this far behind what was measured still counts as visible."""
 
     @property
     def image_width(self) -> int:
@@ -520,16 +558,20 @@ class BopMatch:
     """An estimate that found a ground truth."""
 
     @property
-    def scene_id(self) -> int: ...
+    def scene_id(self) -> int:
+        """In which scene."""
 
     @property
-    def im_id(self) -> int: ...
+    def im_id(self) -> int:
+        """In which image."""
 
     @property
-    def gt_id(self) -> int: ...
+    def gt_id(self) -> int:
+        """The ground truth found."""
 
     @property
-    def est_id(self) -> int: ...
+    def est_id(self) -> int:
+        """The estimate that found it."""
 
     def __repr__(self) -> str: ...
 
@@ -537,24 +579,28 @@ class BopRecall:
     """What is found at one threshold."""
 
     @property
-    def threshold(self) -> float: ...
+    def threshold(self) -> float:
+        """Of the error."""
 
     @property
     def targets_count(self) -> int:
         """Valid ground truths."""
 
     @property
-    def tp_count(self) -> int: ...
+    def tp_count(self) -> int:
+        """Of them: found."""
 
     @property
     def recall(self) -> float:
         """Of all targets together."""
 
     @property
-    def mean_obj_recall(self) -> float: ...
+    def mean_obj_recall(self) -> float:
+        """Mean of the objects' recalls."""
 
     @property
-    def mean_scene_recall(self) -> float: ...
+    def mean_scene_recall(self) -> float:
+        """Mean of the scenes' recalls."""
 
     @property
     def obj_recall(self) -> dict[int, float]:
@@ -565,7 +611,8 @@ class BopRecall:
         """By scene_id."""
 
     @property
-    def matches(self) -> list[BopMatch]: ...
+    def matches(self) -> list[BopMatch]:
+        """Which estimate found what."""
 
     def __repr__(self) -> str: ...
 
@@ -577,7 +624,8 @@ class BopScore:
         """By threshold; of VSD by tau, then by threshold."""
 
     @property
-    def average_recall(self) -> float: ...
+    def average_recall(self) -> float:
+        """Mean over the thresholds."""
 
     @property
     def obj_recall(self) -> dict[int, float]:
@@ -593,17 +641,20 @@ class BopScores:
         """Instances to be found."""
 
     @property
-    def estimates_kept(self) -> int: ...
+    def estimates_kept(self) -> int:
+        """The best of each target."""
 
     @property
     def vsd(self) -> BopScore | None:
         """None without depth images."""
 
     @property
-    def mssd(self) -> BopScore: ...
+    def mssd(self) -> BopScore:
+        """By MSSD."""
 
     @property
-    def mspd(self) -> BopScore: ...
+    def mspd(self) -> BopScore:
+        """By MSPD."""
 
     @property
     def average_recall(self) -> float | None:

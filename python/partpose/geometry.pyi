@@ -24,10 +24,12 @@ class Plane:
     """{ p : normal . p + offset_mm = 0 }, turned towards the camera."""
 
     @property
-    def normal(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]: ...
+    def normal(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]:
+        """Unit normal."""
 
     @property
-    def offset_mm(self) -> float: ...
+    def offset_mm(self) -> float:
+        """Of the equation above."""
 
     def signed_distance_mm(self, point_mm: Annotated[NDArray[numpy.float32], dict(shape=(3), order='C')]) -> float:
         """Positive on the camera's side."""
@@ -38,13 +40,16 @@ class PlaneFit:
     """A plane and the points on it."""
 
     @property
-    def plane(self) -> Plane: ...
+    def plane(self) -> Plane:
+        """The plane found."""
 
     @property
-    def rms_mm(self) -> float: ...
+    def rms_mm(self) -> float:
+        """Of the inliers' distances."""
 
     @property
-    def inliers(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,))]: ...
+    def inliers(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,))]:
+        """Indices of points."""
 
     def __repr__(self) -> str: ...
 
@@ -77,20 +82,26 @@ class ConvexHull:
     """A convex hull as triangles, counter-clockwise seen from outside."""
 
     @property
-    def vertices(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3))]: ...
+    def vertices(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3))]:
+        """N x 3, mm."""
 
     @property
-    def original(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,))]: ...
+    def original(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,))]:
+        """Which of the given points each vertex is."""
 
     @property
-    def triangles(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None, 3))]: ...
+    def triangles(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None, 3))]:
+        """M x 3 indices of vertices."""
 
     @property
-    def flat(self) -> bool: ...
+    def flat(self) -> bool:
+        """All points lie on a plane, a line or a point: there are no triangles."""
 
-    def volume_mm3(self) -> float: ...
+    def volume_mm3(self) -> float:
+        """The enclosed volume."""
 
-    def centroid(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]: ...
+    def centroid(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]:
+        """Of the enclosed volume."""
 
     def __repr__(self) -> str: ...
 
@@ -114,7 +125,8 @@ class Symmetries:
         Axes (direction, a point on it in mm) about which it may be turned by any angle.
         """
 
-    def empty(self) -> bool: ...
+    def empty(self) -> bool:
+        """Whether there are none."""
 
     def __repr__(self) -> str: ...
 
@@ -127,15 +139,19 @@ class MeasuredSymmetries:
     """Symmetries and how exact each is."""
 
     @property
-    def symmetries(self) -> Symmetries: ...
+    def symmetries(self) -> Symmetries:
+        """The symmetries themselves."""
 
     @property
-    def discrete_deviation_mm(self) -> list[float]: ...
+    def discrete_deviation_mm(self) -> list[float]:
+        """Of each of symmetries.discrete."""
 
     @property
-    def continuous_deviation_mm(self) -> list[float]: ...
+    def continuous_deviation_mm(self) -> list[float]:
+        """Of each of symmetries.continuous."""
 
-    def largest_deviation_mm(self) -> float: ...
+    def largest_deviation_mm(self) -> float:
+        """The largest of all."""
 
     def __repr__(self) -> str: ...
 
@@ -151,10 +167,12 @@ class SymmetrySearch:
         """But for a detail."""
 
     @property
-    def tolerance_mm(self) -> float: ...
+    def tolerance_mm(self) -> float:
+        """Within which a symmetry counts as found."""
 
     @property
-    def diameter_mm(self) -> float: ...
+    def diameter_mm(self) -> float:
+        """The largest distance of two vertices."""
 
     def __repr__(self) -> str: ...
 
@@ -166,7 +184,8 @@ def search_symmetries(mesh: partpose.core.TriangleMesh, tolerance_mm: float | No
 def find_symmetries(mesh: partpose.core.TriangleMesh, tolerance_mm: float) -> Symmetries:
     """Those within the tolerance."""
 
-def default_symmetry_tolerance_mm(diameter_mm: float) -> float: ...
+def default_symmetry_tolerance_mm(diameter_mm: float) -> float:
+    """What search_symmetries takes by a part's size."""
 
 class DistanceGrid:
     """Distance to the nearest of some points, tabulated."""
@@ -176,7 +195,8 @@ class DistanceGrid:
     def at(self, p: Annotated[NDArray[numpy.float32], dict(shape=(3), order='C')]) -> float:
         """In mm, right to about half a cell."""
 
-    def cell_mm(self) -> float: ...
+    def cell_mm(self) -> float:
+        """Edge of a cell."""
 
 class MeshInspection:
     """
@@ -335,24 +355,31 @@ class MeshRepair:
     """A repaired mesh, and what was done."""
 
     @property
-    def mesh(self) -> partpose.core.TriangleMesh: ...
+    def mesh(self) -> partpose.core.TriangleMesh:
+        """Repaired."""
 
     @property
-    def weld_distance_mm(self) -> float: ...
+    def weld_distance_mm(self) -> float:
+        """Vertices nearer than this were made one."""
 
     @property
-    def welded_vertices(self) -> int: ...
+    def welded_vertices(self) -> int:
+        """That lay so near another one."""
 
     @property
-    def removed_degenerate(self) -> int: ...
+    def removed_degenerate(self) -> int:
+        """Triangles without area."""
 
     @property
-    def removed_duplicates(self) -> int: ...
+    def removed_duplicates(self) -> int:
+        """Triangles that were there twice."""
 
     @property
-    def turned_triangles(self) -> int: ...
+    def turned_triangles(self) -> int:
+        """Triangles that faced inwards."""
 
-    def changed_anything(self) -> bool: ...
+    def changed_anything(self) -> bool:
+        """Whether anything was done."""
 
     def __repr__(self) -> str: ...
 

@@ -122,10 +122,12 @@ class NamedMesh:
         """
 
     @property
-    def mesh(self) -> partpose.core.TriangleMesh: ...
+    def mesh(self) -> partpose.core.TriangleMesh:
+        """In mm."""
 
     @property
-    def file(self) -> pathlib.Path: ...
+    def file(self) -> pathlib.Path:
+        """Where it was read."""
 
     @property
     def unit(self) -> str:
@@ -253,11 +255,14 @@ class CameraFile:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
     @property
-    def intrinsics(self) -> partpose.core.Intrinsics: ...
+    def intrinsics(self) -> partpose.core.Intrinsics:
+        """Without the scale."""
 
-def read_camera(path: str | os.PathLike[str]) -> CameraFile: ...
+def read_camera(path: str | os.PathLike[str]) -> CameraFile:
+    """A camera JSON."""
 
-def write_camera(path: str | os.PathLike[str], camera: CameraFile) -> None: ...
+def write_camera(path: str | os.PathLike[str], camera: CameraFile) -> None:
+    """A camera JSON."""
 
 def camera_file_of(depth_image: str | os.PathLike[str]) -> pathlib.Path:
     """
@@ -274,16 +279,20 @@ class Scene:
     def __init__(self, depth: partpose.core.DepthImage, intrinsics: partpose.core.Intrinsics) -> None: ...
 
     @property
-    def path(self) -> pathlib.Path: ...
+    def path(self) -> pathlib.Path:
+        """The file it was read from; empty for data in memory."""
 
     @property
-    def cloud(self) -> partpose.core.PointCloud: ...
+    def cloud(self) -> partpose.core.PointCloud:
+        """The points; of a depth image, those of its pixels."""
 
     @property
-    def depth(self) -> partpose.core.DepthImage | None: ...
+    def depth(self) -> partpose.core.DepthImage | None:
+        """None for a cloud."""
 
     @property
-    def intrinsics(self) -> partpose.core.Intrinsics | None: ...
+    def intrinsics(self) -> partpose.core.Intrinsics | None:
+        """Of a depth image; None otherwise."""
 
     def __repr__(self) -> str: ...
 
@@ -302,7 +311,8 @@ class BopModelInfo:
         """Lower and upper corner."""
 
     @property
-    def symmetries(self) -> partpose.geometry.Symmetries: ...
+    def symmetries(self) -> partpose.geometry.Symmetries:
+        """As the file states them."""
 
     def __repr__(self) -> str: ...
 
@@ -319,10 +329,12 @@ class BopCamera:
         """Camera matrix, px; pixel centres at integers."""
 
     @property
-    def depth_scale_mm(self) -> float: ...
+    def depth_scale_mm(self) -> float:
+        """mm for each unit of the depth image."""
 
     @property
-    def camera_from_world(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')] | None: ...
+    def camera_from_world(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')] | None:
+        """Where it is stated."""
 
     def intrinsics(self, width: int, height: int) -> partpose.core.Intrinsics:
         """Error when K has skew."""
@@ -337,19 +349,24 @@ class BopVisibility:
     def __init__(self, *, bbox_obj: Sequence[int], bbox_visib: Sequence[int], px_count_all: int, px_count_valid: int, px_count_visib: int, visib_fract: float) -> None: ...
 
     @property
-    def bbox_obj(self) -> list[int]: ...
+    def bbox_obj(self) -> list[int]:
+        """Of the silhouette, which may reach beyond the image."""
 
     @property
-    def bbox_visib(self) -> list[int]: ...
+    def bbox_visib(self) -> list[int]:
+        """Of its visible part."""
 
     @property
-    def px_count_all(self) -> int: ...
+    def px_count_all(self) -> int:
+        """Of the silhouette."""
 
     @property
-    def px_count_valid(self) -> int: ...
+    def px_count_valid(self) -> int:
+        """Where the depth image has a value."""
 
     @property
-    def px_count_visib(self) -> int: ...
+    def px_count_visib(self) -> int:
+        """Of the visible part."""
 
     @property
     def visib_fract(self) -> float:
@@ -363,13 +380,16 @@ class BopGroundTruth:
     def __init__(self, obj_id: int, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], visibility: BopVisibility | None = None) -> None: ...
 
     @property
-    def obj_id(self) -> int: ...
+    def obj_id(self) -> int:
+        """Which object."""
 
     @property
-    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """Its pose."""
 
     @property
-    def visibility(self) -> BopVisibility | None: ...
+    def visibility(self) -> BopVisibility | None:
+        """None: not known."""
 
     def __repr__(self) -> str: ...
 
@@ -379,10 +399,12 @@ class BopImage:
     def __init__(self, id: int, camera: BopCamera, ground_truths: Sequence[BopGroundTruth] = []) -> None: ...
 
     @property
-    def id(self) -> int: ...
+    def id(self) -> int:
+        """The image's number."""
 
     @property
-    def camera(self) -> BopCamera: ...
+    def camera(self) -> BopCamera:
+        """The camera that took it."""
 
     @property
     def ground_truths(self) -> list[BopGroundTruth]:
@@ -396,13 +418,16 @@ class BopScene:
     def __init__(self, id: int, folder: str | os.PathLike[str], images: Sequence[BopImage], has_ground_truth: bool = True) -> None: ...
 
     @property
-    def id(self) -> int: ...
+    def id(self) -> int:
+        """The scene's number."""
 
     @property
-    def folder(self) -> pathlib.Path: ...
+    def folder(self) -> pathlib.Path:
+        """Where its files are."""
 
     @property
-    def has_ground_truth(self) -> bool: ...
+    def has_ground_truth(self) -> bool:
+        """False: there is no scene_gt.json."""
 
     @property
     def images(self) -> list[BopImage]:
@@ -411,9 +436,11 @@ class BopScene:
     def image(self, im_id: int) -> BopImage:
         """Error when there is no such image."""
 
-    def depth_path(self, image: BopImage) -> pathlib.Path: ...
+    def depth_path(self, image: BopImage) -> pathlib.Path:
+        """Where an image's depth is."""
 
-    def read_depth(self, image: BopImage) -> partpose.core.DepthImage: ...
+    def read_depth(self, image: BopImage) -> partpose.core.DepthImage:
+        """An image's depth, in mm."""
 
     def __repr__(self) -> str: ...
 
@@ -423,16 +450,20 @@ class BopTarget:
     def __init__(self, scene_id: int, im_id: int, obj_id: int, inst_count: int = 1) -> None: ...
 
     @property
-    def scene_id(self) -> int: ...
+    def scene_id(self) -> int:
+        """In which scene."""
 
     @property
-    def im_id(self) -> int: ...
+    def im_id(self) -> int:
+        """In which image."""
 
     @property
-    def obj_id(self) -> int: ...
+    def obj_id(self) -> int:
+        """Which object."""
 
     @property
-    def inst_count(self) -> int: ...
+    def inst_count(self) -> int:
+        """How many of it."""
 
     def __repr__(self) -> str: ...
 
@@ -442,10 +473,12 @@ class BopDatasetCamera:
     def __init__(self, intrinsics: partpose.core.Intrinsics, depth_scale_mm: float = 1.0) -> None: ...
 
     @property
-    def intrinsics(self) -> partpose.core.Intrinsics: ...
+    def intrinsics(self) -> partpose.core.Intrinsics:
+        """Of the depth images."""
 
     @property
-    def depth_scale_mm(self) -> float: ...
+    def depth_scale_mm(self) -> float:
+        """mm for each unit of the depth images."""
 
     def __repr__(self) -> str: ...
 
@@ -453,13 +486,16 @@ class BopDataset:
     """A dataset in the format of the BOP benchmark."""
 
     @property
-    def folder(self) -> pathlib.Path: ...
+    def folder(self) -> pathlib.Path:
+        """Where it is."""
 
     @property
-    def split(self) -> str: ...
+    def split(self) -> str:
+        """The folder of its scenes."""
 
     @property
-    def camera(self) -> BopDatasetCamera | None: ...
+    def camera(self) -> BopDatasetCamera | None:
+        """camera.json; None: there is none."""
 
     @property
     def models_folder(self) -> pathlib.Path:
@@ -477,7 +513,8 @@ class BopDataset:
     def targets(self) -> list[BopTarget]:
         """As in their file; without one: all ground truths."""
 
-    def read_model(self, obj_id: int) -> partpose.core.TriangleMesh: ...
+    def read_model(self, obj_id: int) -> partpose.core.TriangleMesh:
+        """An object's mesh."""
 
     def scene(self, scene_id: int) -> BopScene:
         """Error when there is no such scene."""
@@ -498,9 +535,11 @@ def bop_model_name(obj_id: int) -> str:
 def read_bop_models_info(file: str | os.PathLike[str]) -> dict[int, BopModelInfo]:
     """By obj_id."""
 
-def read_bop_scene(scene_folder: str | os.PathLike[str], scene_id: int) -> BopScene: ...
+def read_bop_scene(scene_folder: str | os.PathLike[str], scene_id: int) -> BopScene:
+    """Cameras and, if there, ground truths."""
 
-def read_bop_targets(file: str | os.PathLike[str]) -> list[BopTarget]: ...
+def read_bop_targets(file: str | os.PathLike[str]) -> list[BopTarget]:
+    """test_targets_bop19.json."""
 
 def write_bop_model(models_folder: str | os.PathLike[str], obj_id: int, mesh: partpose.core.TriangleMesh) -> None:
     """models_folder/obj_000001.ply."""
@@ -531,20 +570,24 @@ class BopEstimate:
     def __init__(self, scene_id: int, im_id: int, obj_id: int, score: float, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], time_s: float = -1.0) -> None: ...
 
     @property
-    def scene_id(self) -> int: ...
+    def scene_id(self) -> int:
+        """In which scene."""
 
     @property
-    def im_id(self) -> int: ...
+    def im_id(self) -> int:
+        """In which image."""
 
     @property
-    def obj_id(self) -> int: ...
+    def obj_id(self) -> int:
+        """Which object."""
 
     @property
     def score(self) -> float:
         """Higher: more certain."""
 
     @property
-    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """The estimated pose."""
 
     @property
     def time_s(self) -> float:

@@ -978,10 +978,12 @@ class CataloguePart:
     """A part of a catalogue."""
 
     @property
-    def id(self) -> int: ...
+    def id(self) -> int:
+        """Its number in the dataset."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """As its file or its CAD product is called."""
 
     @property
     def T1(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
@@ -1001,16 +1003,20 @@ class Catalogue:
     """Everything that the online stage needs to know of the parts."""
 
     @property
-    def dataset(self) -> partpose.dataset.Dataset: ...
+    def dataset(self) -> partpose.dataset.Dataset:
+        """The dataset that it was made of."""
 
     @property
-    def parts(self) -> list[CataloguePart]: ...
+    def parts(self) -> list[CataloguePart]:
+        """In the order of their numbers."""
 
     @property
-    def index(self) -> partpose.matching.DescriptorIndex: ...
+    def index(self) -> partpose.matching.DescriptorIndex:
+        """The descriptors of all views."""
 
     @property
-    def view_count(self) -> int: ...
+    def view_count(self) -> int:
+        """Of all parts together."""
 
     def __repr__(self) -> str: ...
 
@@ -1025,7 +1031,8 @@ def comparable_view(view: partpose.core.PointCloud, config: GlobalPipelineConfig
     Points and normals of a dataset's view as a scene of it would have them.
     """
 
-def default_cache_folder() -> pathlib.Path: ...
+def default_cache_folder() -> pathlib.Path:
+    """$XDG_CACHE_HOME/partpose, or else ~/.cache/partpose."""
 
 def cached_catalogue(model_paths: Sequence[str | os.PathLike[str]], dataset: partpose.dataset.DatasetPreparationConfig, pipeline: GlobalPipelineConfig, cache_folder: str | os.PathLike[str] | None = None, progress: Callable[[str, int, int], object] | None = None) -> Catalogue:
     """The catalogue of some STL files, made on first use and kept."""
@@ -1034,10 +1041,12 @@ class Alternative:
     """Another part or pose that explains an object too."""
 
     @property
-    def part(self) -> str: ...
+    def part(self) -> str:
+        """Its name."""
 
     @property
-    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """Its pose."""
 
     @property
     def probability(self) -> float:
@@ -1122,7 +1131,8 @@ class Recognition:
         """Why nothing was recognized; empty when something was."""
 
     @property
-    def total_ms(self) -> float: ...
+    def total_ms(self) -> float:
+        """Of all stages."""
 
     @property
     def result(self) -> Result:
@@ -1148,13 +1158,16 @@ class Recognition:
         """The scene after the preprocessing, camera frame."""
 
     @property
-    def with_normals(self) -> partpose.core.PointCloud: ...
+    def with_normals(self) -> partpose.core.PointCloud:
+        """The same with normals."""
 
     @property
-    def refinement_scene(self) -> partpose.core.PointCloud: ...
+    def refinement_scene(self) -> partpose.core.PointCloud:
+        """What the refinement was given."""
 
     @property
-    def num_of_points_input(self) -> int: ...
+    def num_of_points_input(self) -> int:
+        """Before the preprocessing."""
 
     def __repr__(self) -> str: ...
 
@@ -1183,7 +1196,8 @@ class PartRecognizer:
     def recognize(self, scene: partpose.io.Scene) -> Recognition: ...
 
     @property
-    def catalogue(self) -> Catalogue: ...
+    def catalogue(self) -> Catalogue:
+        """The parts that it knows."""
 
 class RecognizerOptions:
     """What the Recognizer may be told."""
@@ -1227,7 +1241,8 @@ class GlobalPipeline(PartRecognizer):
     def __init__(self, catalogue: Catalogue, config: GlobalPipelineConfig, step_notion: Callable[[str], object] | None = None) -> None: ...
 
     @property
-    def config(self) -> GlobalPipelineConfig: ...
+    def config(self) -> GlobalPipelineConfig:
+        """What it was made with."""
 
 def write_iteration(folder: str | os.PathLike[str], recognition: Recognition, scene: partpose.io.Scene, catalogue: Catalogue, config: GlobalPipelineConfig) -> pathlib.Path:
     """Writes the iteration output folder of the reference and returns it."""

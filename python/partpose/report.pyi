@@ -6,10 +6,12 @@ class ReportSummary:
     """What write_report wrote."""
 
     @property
-    def frames(self) -> int: ...
+    def frames(self) -> int:
+        """That the page shows."""
 
     @property
-    def bytes(self) -> int: ...
+    def bytes(self) -> int:
+        """Of the file."""
 
     @property
     def thinned(self) -> bool:

@@ -30,7 +30,7 @@ void bind_bop_images(nb::module_& m) {
             return std::pair(Eigen::Vector3d(self.box_mm.min()), Eigen::Vector3d(self.box_mm.max()));
           },
           "Lower and upper corner.")
-      .def_ro("symmetries", &BopModelInfo::symmetries);
+      .def_ro("symmetries", &BopModelInfo::symmetries, "As the file states them.");
   bind_repr(info, {"diameter_mm", "box_mm", "symmetries"});
   m.def("bop_model_info", &bop_model_info, "mesh"_a, "symmetries"_a = Symmetries{}, released,
         "Diameter and box of a mesh.");
@@ -47,8 +47,8 @@ void bind_bop_images(nb::module_& m) {
           "intrinsics"_a, "depth_scale_mm"_a = 1.0, "camera_from_world"_a = nb::none())
       .def_prop_ro(
           "K", [](const BopCamera& self) { return Matrix3(self.K); }, "Camera matrix, px; pixel centres at integers.")
-      .def_ro("depth_scale_mm", &BopCamera::depth_scale_mm)
-      .def_ro("camera_from_world", &BopCamera::camera_from_world)
+      .def_ro("depth_scale_mm", &BopCamera::depth_scale_mm, "mm for each unit of the depth image.")
+      .def_ro("camera_from_world", &BopCamera::camera_from_world, "Where it is stated.")
       .def("intrinsics", &BopCamera::intrinsics, "width"_a, "height"_a, "Error when K has skew.");
   bind_repr(camera, {"K", "depth_scale_mm", "camera_from_world"});
 
@@ -59,30 +59,30 @@ void bind_bop_images(nb::module_& m) {
           "__init__",
           [](BopVisibility* self, const std::array<int, 4>& bbox_obj, const std::array<int, 4>& bbox_visib,
              int px_count_all, int px_count_valid, int px_count_visib, double visib_fract) {
-            new (self)
-                BopVisibility{bbox_obj, bbox_visib, px_count_all, px_count_valid, px_count_visib, visib_fract};
+            new (self) BopVisibility{bbox_obj, bbox_visib, px_count_all, px_count_valid, px_count_visib, visib_fract};
           },
           nb::kw_only(), "bbox_obj"_a, "bbox_visib"_a, "px_count_all"_a, "px_count_valid"_a, "px_count_visib"_a,
           "visib_fract"_a)
-      .def_ro("bbox_obj", &BopVisibility::bbox_obj)
-      .def_ro("bbox_visib", &BopVisibility::bbox_visib)
-      .def_ro("px_count_all", &BopVisibility::px_count_all)
-      .def_ro("px_count_valid", &BopVisibility::px_count_valid)
-      .def_ro("px_count_visib", &BopVisibility::px_count_visib)
+      .def_ro("bbox_obj", &BopVisibility::bbox_obj, "Of the silhouette, which may reach beyond the image.")
+      .def_ro("bbox_visib", &BopVisibility::bbox_visib, "Of its visible part.")
+      .def_ro("px_count_all", &BopVisibility::px_count_all, "Of the silhouette.")
+      .def_ro("px_count_valid", &BopVisibility::px_count_valid, "Where the depth image has a value.")
+      .def_ro("px_count_visib", &BopVisibility::px_count_visib, "Of the visible part.")
       .def_ro("visib_fract", &BopVisibility::visib_fract, "px_count_visib / px_count_all");
-  bind_repr(visibility,
-            {"bbox_obj", "bbox_visib", "px_count_all", "px_count_valid", "px_count_visib", "visib_fract"});
+  bind_repr(visibility, {"bbox_obj", "bbox_visib", "px_count_all", "px_count_valid", "px_count_visib", "visib_fract"});
 
   nb::class_<BopGroundTruth> truth(m, "BopGroundTruth", "An instance in an image.");
   truth
       .def(
           "__init__",
           [](BopGroundTruth* self, int obj_id, const Eigen::Isometry3d& pose,
-             const std::optional<BopVisibility>& visible) { new (self) BopGroundTruth{obj_id, pose, visible}; },
+             const std::optional<BopVisibility>& visible) {
+            new (self) BopGroundTruth{obj_id, pose, visible};
+          },
           "obj_id"_a, "camera_from_model"_a, "visibility"_a = nb::none())
-      .def_ro("obj_id", &BopGroundTruth::obj_id)
-      .def_ro("camera_from_model", &BopGroundTruth::camera_from_model)
-      .def_ro("visibility", &BopGroundTruth::visibility);
+      .def_ro("obj_id", &BopGroundTruth::obj_id, "Which object.")
+      .def_ro("camera_from_model", &BopGroundTruth::camera_from_model, "Its pose.")
+      .def_ro("visibility", &BopGroundTruth::visibility, "None: not known.");
   bind_repr(truth, {"obj_id", "camera_from_model", "visibility"});
 
   nb::class_<BopImage> image(m, "BopImage", "An image of a scene: its camera and what it shows.");
@@ -93,8 +93,8 @@ void bind_bop_images(nb::module_& m) {
             new (self) BopImage{id, taken_by, std::move(ground_truths)};
           },
           "id"_a, "camera"_a, "ground_truths"_a = nb::list())
-      .def_ro("id", &BopImage::id)
-      .def_ro("camera", &BopImage::camera)
+      .def_ro("id", &BopImage::id, "The image's number.")
+      .def_ro("camera", &BopImage::camera, "The camera that took it.")
       .def_ro("ground_truths", &BopImage::ground_truths, "The position is the ground truth's id.");
   bind_repr(image, {"id", "camera", "ground_truths"});
 
@@ -106,13 +106,13 @@ void bind_bop_images(nb::module_& m) {
             new (self) BopScene{id, folder, has_ground_truth, std::move(images)};
           },
           "id"_a, "folder"_a, "images"_a, "has_ground_truth"_a = true)
-      .def_ro("id", &BopScene::id)
-      .def_ro("folder", &BopScene::folder)
-      .def_ro("has_ground_truth", &BopScene::has_ground_truth)
+      .def_ro("id", &BopScene::id, "The scene's number.")
+      .def_ro("folder", &BopScene::folder, "Where its files are.")
+      .def_ro("has_ground_truth", &BopScene::has_ground_truth, "False: there is no scene_gt.json.")
       .def_ro("images", &BopScene::images, "By rising id.")
       .def("image", &BopScene::image, "im_id"_a, nb::rv_policy::copy, "Error when there is no such image.")
-      .def("depth_path", &BopScene::depth_path, "image"_a)
-      .def("read_depth", &BopScene::read_depth, "image"_a, released);
+      .def("depth_path", &BopScene::depth_path, "image"_a, "Where an image's depth is.")
+      .def("read_depth", &BopScene::read_depth, "image"_a, released, "An image's depth, in mm.");
   bind_repr(scene, {"id", "folder", "has_ground_truth", "images"});
 }
 
@@ -125,10 +125,10 @@ void bind_bop_files(nb::module_& m) {
             new (self) BopTarget{scene_id, im_id, obj_id, inst_count};
           },
           "scene_id"_a, "im_id"_a, "obj_id"_a, "inst_count"_a = 1)
-      .def_ro("scene_id", &BopTarget::scene_id)
-      .def_ro("im_id", &BopTarget::im_id)
-      .def_ro("obj_id", &BopTarget::obj_id)
-      .def_ro("inst_count", &BopTarget::inst_count);
+      .def_ro("scene_id", &BopTarget::scene_id, "In which scene.")
+      .def_ro("im_id", &BopTarget::im_id, "In which image.")
+      .def_ro("obj_id", &BopTarget::obj_id, "Which object.")
+      .def_ro("inst_count", &BopTarget::inst_count, "How many of it.");
   bind_repr(target, {"scene_id", "im_id", "obj_id", "inst_count"});
 
   nb::class_<BopDatasetCamera> camera(m, "BopDatasetCamera", "camera.json: the camera that a dataset is meant for.");
@@ -139,19 +139,19 @@ void bind_bop_files(nb::module_& m) {
             new (self) BopDatasetCamera{intrinsics, depth_scale_mm};
           },
           "intrinsics"_a, "depth_scale_mm"_a = 1.0)
-      .def_ro("intrinsics", &BopDatasetCamera::intrinsics)
-      .def_ro("depth_scale_mm", &BopDatasetCamera::depth_scale_mm);
+      .def_ro("intrinsics", &BopDatasetCamera::intrinsics, "Of the depth images.")
+      .def_ro("depth_scale_mm", &BopDatasetCamera::depth_scale_mm, "mm for each unit of the depth images.");
   bind_repr(camera, {"intrinsics", "depth_scale_mm"});
 
   nb::class_<BopDataset> dataset(m, "BopDataset", "A dataset in the format of the BOP benchmark.");
-  dataset.def_ro("folder", &BopDataset::folder)
-      .def_ro("split", &BopDataset::split)
-      .def_ro("camera", &BopDataset::camera)
+  dataset.def_ro("folder", &BopDataset::folder, "Where it is.")
+      .def_ro("split", &BopDataset::split, "The folder of its scenes.")
+      .def_ro("camera", &BopDataset::camera, "camera.json; None: there is none.")
       .def_ro("models_folder", &BopDataset::models_folder, "models_eval/ if there, or else models/.")
       .def_ro("models", &BopDataset::models, "By obj_id.")
       .def_ro("scenes", &BopDataset::scenes, "By scene_id.")
       .def_ro("targets", &BopDataset::targets, "As in their file; without one: all ground truths.")
-      .def("read_model", &BopDataset::read_model, "obj_id"_a, released)
+      .def("read_model", &BopDataset::read_model, "obj_id"_a, released, "An object's mesh.")
       .def("scene", &BopDataset::scene, "scene_id"_a, nb::rv_policy::copy, "Error when there is no such scene.");
   dataset.attr("__repr__") = nb::cpp_function(
       [](const BopDataset& self) {
@@ -164,8 +164,8 @@ void bind_bop_files(nb::module_& m) {
   m.def("bop_scene_folder", &bop_scene_folder, "dataset"_a, "split"_a, "scene_id"_a, "DATASET/SPLIT/000001.");
   m.def("bop_model_name", &bop_model_name, "obj_id"_a, "obj_000001.ply.");
   m.def("read_bop_models_info", &read_bop_models_info, "file"_a, "By obj_id.");
-  m.def("read_bop_scene", &read_bop_scene, "scene_folder"_a, "scene_id"_a);
-  m.def("read_bop_targets", &read_bop_targets, "file"_a);
+  m.def("read_bop_scene", &read_bop_scene, "scene_folder"_a, "scene_id"_a, "Cameras and, if there, ground truths.");
+  m.def("read_bop_targets", &read_bop_targets, "file"_a, "test_targets_bop19.json.");
   m.def("write_bop_model", &write_bop_model, "models_folder"_a, "obj_id"_a, "mesh"_a, released,
         "models_folder/obj_000001.ply.");
   m.def("write_bop_models_info", &write_bop_models_info, "models_folder"_a, "models"_a, "models_info.json.");
@@ -192,11 +192,11 @@ void bind_bop_files(nb::module_& m) {
           [](BopEstimate* self, int scene_id, int im_id, int obj_id, double score, const Eigen::Isometry3d& pose,
              double time_s) { new (self) BopEstimate{scene_id, im_id, obj_id, score, pose, time_s}; },
           "scene_id"_a, "im_id"_a, "obj_id"_a, "score"_a, "camera_from_model"_a, "time_s"_a = -1.0)
-      .def_ro("scene_id", &BopEstimate::scene_id)
-      .def_ro("im_id", &BopEstimate::im_id)
-      .def_ro("obj_id", &BopEstimate::obj_id)
+      .def_ro("scene_id", &BopEstimate::scene_id, "In which scene.")
+      .def_ro("im_id", &BopEstimate::im_id, "In which image.")
+      .def_ro("obj_id", &BopEstimate::obj_id, "Which object.")
       .def_ro("score", &BopEstimate::score, "Higher: more certain.")
-      .def_ro("camera_from_model", &BopEstimate::camera_from_model)
+      .def_ro("camera_from_model", &BopEstimate::camera_from_model, "The estimated pose.")
       .def_ro("time_s", &BopEstimate::time_s, "For the whole image, equal in all its rows; -1: not known.");
   bind_repr(estimate, {"scene_id", "im_id", "obj_id", "score", "camera_from_model", "time_s"});
   m.def("read_bop_results", &read_bop_results, "file"_a, "A results file; an Error names the damaged line.");
@@ -220,8 +220,8 @@ void bind_bop_evaluation(nb::module_& m) {
   m.def(
       "recognize_bop",
       [](const BopDataset& dataset, const PartRecognizer& recognizer, float min_score, const Callback& progress) {
-        return interruptible(
-            progress, [&](const Progress& told) { return recognize_bop(dataset, recognizer, min_score, told); });
+        return interruptible(progress,
+                             [&](const Progress& told) { return recognize_bop(dataset, recognizer, min_score, told); });
       },
       "dataset"_a, "recognizer"_a, "min_score"_a, "progress"_a = nb::none(), released,
       "The estimates of all targets' images.");
@@ -238,38 +238,39 @@ void bind_bop_evaluation(nb::module_& m) {
           nb::kw_only(), "vsd"_a = BopScoreOptions{}.vsd, "vsd_delta_mm"_a = BopScoreOptions{}.vsd_delta_mm,
           "image_width"_a = BopScoreOptions{}.image_width)
       .def_ro("vsd", &BopScoreOptions::vsd, "Whether VSD is taken, where there are depth images.")
-      .def_ro("vsd_delta_mm", &BopScoreOptions::vsd_delta_mm)
+      .def_ro("vsd_delta_mm", &BopScoreOptions::vsd_delta_mm,
+              "A surface this far behind what was measured still counts as visible.")
       .def_ro("image_width", &BopScoreOptions::image_width, "px; 0: of camera.json, or else of the depth images.");
   bind_repr(options, {"vsd", "vsd_delta_mm", "image_width"});
 
   nb::class_<BopMatch> match(m, "BopMatch", "An estimate that found a ground truth.");
-  match.def_ro("scene_id", &BopMatch::scene_id)
-      .def_ro("im_id", &BopMatch::im_id)
-      .def_ro("gt_id", &BopMatch::gt_id)
-      .def_ro("est_id", &BopMatch::est_id);
+  match.def_ro("scene_id", &BopMatch::scene_id, "In which scene.")
+      .def_ro("im_id", &BopMatch::im_id, "In which image.")
+      .def_ro("gt_id", &BopMatch::gt_id, "The ground truth found.")
+      .def_ro("est_id", &BopMatch::est_id, "The estimate that found it.");
   bind_repr(match, {"scene_id", "im_id", "gt_id", "est_id"});
   nb::class_<BopRecall> recall(m, "BopRecall", "What is found at one threshold.");
-  recall.def_ro("threshold", &BopRecall::threshold)
+  recall.def_ro("threshold", &BopRecall::threshold, "Of the error.")
       .def_ro("targets_count", &BopRecall::targets_count, "Valid ground truths.")
-      .def_ro("tp_count", &BopRecall::tp_count)
+      .def_ro("tp_count", &BopRecall::tp_count, "Of them: found.")
       .def_ro("recall", &BopRecall::recall, "Of all targets together.")
-      .def_ro("mean_obj_recall", &BopRecall::mean_obj_recall)
-      .def_ro("mean_scene_recall", &BopRecall::mean_scene_recall)
+      .def_ro("mean_obj_recall", &BopRecall::mean_obj_recall, "Mean of the objects' recalls.")
+      .def_ro("mean_scene_recall", &BopRecall::mean_scene_recall, "Mean of the scenes' recalls.")
       .def_ro("obj_recall", &BopRecall::obj_recall, "By obj_id.")
       .def_ro("scene_recall", &BopRecall::scene_recall, "By scene_id.")
-      .def_ro("matches", &BopRecall::matches);
+      .def_ro("matches", &BopRecall::matches, "Which estimate found what.");
   bind_repr(recall, {"threshold", "recall", "tp_count", "targets_count"});
   nb::class_<BopScore> score(m, "BopScore", "Recalls by one error.");
   score.def_ro("recalls", &BopScore::recalls, "By threshold; of VSD by tau, then by threshold.")
-      .def_ro("average_recall", &BopScore::average_recall)
+      .def_ro("average_recall", &BopScore::average_recall, "Mean over the thresholds.")
       .def_ro("obj_recall", &BopScore::obj_recall, "The same of each object alone.");
   bind_repr(score, {"average_recall", "obj_recall"});
   nb::class_<BopScores> scores(m, "BopScores", "Everything about a results file.");
   scores.def_ro("targets_count", &BopScores::targets_count, "Instances to be found.")
-      .def_ro("estimates_kept", &BopScores::estimates_kept)
+      .def_ro("estimates_kept", &BopScores::estimates_kept, "The best of each target.")
       .def_ro("vsd", &BopScores::vsd, "None without depth images.")
-      .def_ro("mssd", &BopScores::mssd)
-      .def_ro("mspd", &BopScores::mspd)
+      .def_ro("mssd", &BopScores::mssd, "By MSSD.")
+      .def_ro("mspd", &BopScores::mspd, "By MSPD.")
       .def_ro("average_recall", &BopScores::average_recall, "AR: the mean of AR_VSD, AR_MSSD and AR_MSPD.")
       .def_ro("average_time_per_image_s", &BopScores::average_time_per_image_s, "-1: not known.");
   bind_repr(scores, {"average_recall", "vsd", "mssd", "mspd", "targets_count", "estimates_kept"});
@@ -277,8 +278,7 @@ void bind_bop_evaluation(nb::module_& m) {
       "score_bop",
       [](const BopDataset& dataset, const std::vector<BopEstimate>& estimates, const BopScoreOptions& how,
          const Callback& progress) {
-        return interruptible(progress,
-                             [&](const Progress& told) { return score_bop(dataset, estimates, how, told); });
+        return interruptible(progress, [&](const Progress& told) { return score_bop(dataset, estimates, how, told); });
       },
       "dataset"_a, "estimates"_a, "options"_a = BopScoreOptions{}, "progress"_a = nb::none(), released,
       "Scores estimates as the BOP benchmark's localization task does.");
@@ -286,7 +286,7 @@ void bind_bop_evaluation(nb::module_& m) {
 
 void bind_scene_datasets(nb::module_& m) {
   nb::class_<SceneDataset> dataset(m, "SceneDataset", "A dataset that write_scene_dataset wrote.");
-  dataset.def_ro("bop", &SceneDataset::bop)
+  dataset.def_ro("bop", &SceneDataset::bop, "Models, images and truth.")
       .def_ro("options", &SceneDataset::options, "As it was made.")
       .def_ro("part_names", &SceneDataset::part_names, "By obj_id.")
       .def_ro("unknown_names", &SceneDataset::unknown_names, "Parts that are not in the catalogue, by their obj_id.")

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "interruptible.hpp"
 #include "described.hpp"
+#include "interruptible.hpp"
 #include "rooms.hpp"
 
 #include "partpose/engine/engine.hpp"
@@ -40,9 +40,9 @@ void bind_engine(nb::module_& parent) {
              const std::optional<fs::path>& cache_folder, const Callback& progress) {
             const fs::path cache = cache_folder ? *cache_folder : default_cache_folder();
             return interruptible(progress, [&](const Progress& told) {
-              return new Engine(cached_catalogue(paths, DatasetPreparationConfig{}, Recognizer::catalogue_config(),
-                                                 cache, told),
-                                options);
+              return new Engine(
+                  cached_catalogue(paths, DatasetPreparationConfig{}, Recognizer::catalogue_config(), cache, told),
+                  options);
             });
           },
           "paths"_a, "options"_a = EngineOptions{}, "cache_folder"_a = nb::none(), "progress"_a = nb::none(), released,

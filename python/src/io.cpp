@@ -57,12 +57,14 @@ void bind_io(nb::module_& parent) {
       .def(
           "__init__",
           [](NamedMesh* self, std::string name, const TriangleMesh& mesh, const std::filesystem::path& file,
-             std::string unit) { new (self) NamedMesh{std::move(name), mesh, file, std::move(unit)}; },
+             std::string unit) {
+            new (self) NamedMesh{std::move(name), mesh, file, std::move(unit)};
+          },
           "name"_a, "mesh"_a, "file"_a = std::filesystem::path(), "unit"_a = "")
       .def_ro("name", &NamedMesh::name, "The file's without its ending; of several parts in a file, the part's own.")
       .def_prop_ro(
-          "mesh", [](const NamedMesh& self) { return &self.mesh; }, nb::rv_policy::reference_internal)
-      .def_ro("file", &NamedMesh::file)
+          "mesh", [](const NamedMesh& self) { return &self.mesh; }, nb::rv_policy::reference_internal, "In mm.")
+      .def_ro("file", &NamedMesh::file, "Where it was read.")
       .def_ro("unit", &NamedMesh::unit, "As the file states it; empty when it does not.");
   bind_repr(named, {"name", "mesh", "file", "unit"});
   m.def(
@@ -113,9 +115,10 @@ void bind_io(nb::module_& parent) {
       "path"_a, "pixels"_a, "Height x width x 3, 8-bit RGB.");
 
   bind_described<CameraFile>(m, "CameraFile", "What a camera JSON says.")
-      .def_prop_ro("intrinsics", [](const CameraFile& self) { return self.intrinsics; });
-  m.def("read_camera", &read_camera, "path"_a);
-  m.def("write_camera", &write_camera, "path"_a, "camera"_a);
+      .def_prop_ro(
+          "intrinsics", [](const CameraFile& self) { return self.intrinsics; }, "Without the scale.");
+  m.def("read_camera", &read_camera, "path"_a, "A camera JSON.");
+  m.def("write_camera", &write_camera, "path"_a, "camera"_a, "A camera JSON.");
   m.def("camera_file_of", &camera_file_of, "depth_image"_a,
         "The camera of NAME.png: NAME.camera.json beside it, or else camera.json in its folder.");
 
@@ -136,12 +139,13 @@ void bind_io(nb::module_& parent) {
             new (self) Scene{{}, to_point_cloud(depth, camera), depth, camera};
           },
           "depth"_a, "intrinsics"_a)
-      .def_ro("path", &Scene::path)
-      .def_ro("cloud", &Scene::cloud)
+      .def_ro("path", &Scene::path, "The file it was read from; empty for data in memory.")
+      .def_ro("cloud", &Scene::cloud, "The points; of a depth image, those of its pixels.")
       .def_prop_ro(
           "depth", [](const Scene& self) { return self.depth ? &*self.depth : nullptr; },
-          nb::sig("def depth(self) -> partpose.core.DepthImage | None"), nb::rv_policy::reference_internal)
-      .def_ro("intrinsics", &Scene::intrinsics);
+          nb::sig("def depth(self) -> partpose.core.DepthImage | None"), nb::rv_policy::reference_internal,
+          "None for a cloud.")
+      .def_ro("intrinsics", &Scene::intrinsics, "Of a depth image; None otherwise.");
   bind_repr(scene, {"path", "cloud", "depth", "intrinsics"});
   m.def(
       "read_scene",

@@ -29,19 +29,21 @@ void bind_dataset(nb::module_& m) {
   bind_described<ModelList>(m, "ModelList", "Appendix C.1.2: the parts' STL files.");
   bind_described<ModelSymmetries::Continuous>(m, "ContinuousSymmetry", "An axis about which a part may be turned.");
   bind_described<ModelSymmetries>(m, "ModelSymmetries", "A part's symmetries with the keys of BOP's models_info.json.")
-      .def("symmetries", &ModelSymmetries::symmetries);
+      .def("symmetries", &ModelSymmetries::symmetries, "The same as Symmetries.");
   bind_described<ModelInfo>(m, "ModelInfo", "A model's entry of models_info.json.");
   m.def("read_models_info", &read_models_info, "path"_a, "By the model's number or name.");
   bind_described<DatasetModel>(m, "DatasetModel", "A part of a dataset.")
-      .def_prop_ro("symmetries", [](const DatasetModel& self) { return self.symmetries.symmetries(); });
+      .def_prop_ro(
+          "symmetries", [](const DatasetModel& self) { return self.symmetries.symmetries(); },
+          "As the dataset states them.");
   bind_described<DatasetView>(m, "DatasetView", "A camera of a dataset.");
   bind_described<DatasetOut>(m, "DatasetOut", "Appendix C.1.3: the dataset's dataset.json.");
   nb::class_<Dataset> dataset(m, "Dataset", "The folder of appendix C.1.4.");
-  dataset.def_ro("folder", &Dataset::folder)
-      .def_ro("out", &Dataset::out)
-      .def("model_folder", &Dataset::model_folder, "model_id"_a)
-      .def("mesh_path", &Dataset::mesh_path, "model_id"_a)
-      .def("view_path", &Dataset::view_path, "model_id"_a, "view_id"_a)
+  dataset.def_ro("folder", &Dataset::folder, "Where it is.")
+      .def_ro("out", &Dataset::out, "What dataset.json says.")
+      .def("model_folder", &Dataset::model_folder, "model_id"_a, "The folder of a model.")
+      .def("mesh_path", &Dataset::mesh_path, "model_id"_a, "The mesh of a model.")
+      .def("view_path", &Dataset::view_path, "model_id"_a, "view_id"_a, "The cloud of a model's view.")
       .def(
           "camera_from_model",
           [](const Dataset& self, std::size_t model, std::size_t view) {
@@ -49,7 +51,7 @@ void bind_dataset(nb::module_& m) {
               throw Error("the dataset has {} models and {} views", self.out.models.size(), self.out.views.size());
             return self.camera_from_model(model, view);
           },
-          "model_index"_a, "view_index"_a);
+          "model_index"_a, "view_index"_a, "The pose of a model in a view.");
   dataset.attr("__repr__") = nb::cpp_function(
       [](const Dataset& self) {
         return fmt::format("Dataset('{}', {} models, {} views)", self.folder.string(), self.out.models.size(),
@@ -84,14 +86,14 @@ void bind_records(nb::module_& m) {
 
 void bind_catalogue(nb::module_& m) {
   nb::class_<CataloguePart> part(m, "CataloguePart", "A part of a catalogue.");
-  part.def_ro("id", &CataloguePart::id)
-      .def_ro("name", &CataloguePart::name)
+  part.def_ro("id", &CataloguePart::id, "Its number in the dataset.")
+      .def_ro("name", &CataloguePart::name, "As its file or its CAD product is called.")
       .def_ro("T1", &CataloguePart::T1, "centred_from_model")
       .def_ro("mesh", &CataloguePart::mesh, "Model frame.")
       .def_ro("surface", &CataloguePart::surface, "All views fused, model frame, with normals.");
   bind_repr(part, {"id", "name"});
   nb::class_<Catalogue> catalogue(m, "Catalogue", "Everything that the online stage needs to know of the parts.");
-  catalogue.def_ro("dataset", &Catalogue::dataset)
+  catalogue.def_ro("dataset", &Catalogue::dataset, "The dataset that it was made of.")
       .def_prop_ro(
           "parts",
           [](nb::handle self) {
@@ -100,9 +102,10 @@ void bind_catalogue(nb::module_& m) {
               parts.append(nb::cast(&each, nb::rv_policy::reference_internal, self));
             return parts;
           },
-          nb::sig("def parts(self) -> list[CataloguePart]"))
-      .def_ro("index", &Catalogue::index)
-      .def_prop_ro("view_count", [](const Catalogue& self) { return self.views.size(); });
+          nb::sig("def parts(self) -> list[CataloguePart]"), "In the order of their numbers.")
+      .def_ro("index", &Catalogue::index, "The descriptors of all views.")
+      .def_prop_ro(
+          "view_count", [](const Catalogue& self) { return self.views.size(); }, "Of all parts together.");
   catalogue.attr("__repr__") = nb::cpp_function(
       [](const Catalogue& self) {
         return fmt::format("Catalogue({} parts, {} views, {} descriptors)", self.parts.size(), self.views.size(),
@@ -120,7 +123,7 @@ void bind_catalogue(nb::module_& m) {
         "The same catalogue without one of its parts.");
   m.def("comparable_view", &comparable_view, "view"_a, "config"_a, released,
         "Points and normals of a dataset's view as a scene of it would have them.");
-  m.def("default_cache_folder", &default_cache_folder);
+  m.def("default_cache_folder", &default_cache_folder, "$XDG_CACHE_HOME/partpose, or else ~/.cache/partpose.");
   m.def(
       "cached_catalogue",
       [](const std::vector<fs::path>& paths, const DatasetPreparationConfig& dataset,
@@ -142,8 +145,10 @@ using Covariance = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 void bind_detections(nb::module_& m) {
   nb::class_<NamedAlternative> alternative(m, "Alternative", "Another part or pose that explains an object too.");
-  alternative.def_ro("part", &NamedAlternative::part)
-      .def_prop_ro("camera_from_model", [](const NamedAlternative& self) { return self.alternative.camera_from_model; })
+  alternative.def_ro("part", &NamedAlternative::part, "Its name.")
+      .def_prop_ro(
+          "camera_from_model", [](const NamedAlternative& self) { return self.alternative.camera_from_model; },
+          "Its pose.")
       .def_prop_ro(
           "probability", [](const NamedAlternative& self) { return self.alternative.probability; }, "0 to 1.");
   bind_repr(alternative, {"part", "probability", "camera_from_model"});
@@ -153,7 +158,8 @@ void bind_detections(nb::module_& m) {
       .def_prop_ro(
           "camera_from_model", [](const NamedDetection& self) { return self.detection.camera_from_model; },
           "The pose, mm.")
-      .def_prop_ro("score", [](const NamedDetection& self) { return self.detection.score; }, "0 to 1.")
+      .def_prop_ro(
+          "score", [](const NamedDetection& self) { return self.detection.score; }, "0 to 1.")
       .def_prop_ro(
           "confidence",
           [](const NamedDetection& self) -> std::optional<double> {
@@ -230,7 +236,8 @@ void bind_recognition(nb::module_& m) {
       .def_prop_ro(
           "reason", [](const Recognized& self) { return self.recognition.reason; },
           "Why nothing was recognized; empty when something was.")
-      .def_prop_ro("total_ms", [](const Recognized& self) { return self.recognition.total_ms(); })
+      .def_prop_ro(
+          "total_ms", [](const Recognized& self) { return self.recognition.total_ms(); }, "Of all stages.")
       .def_prop_ro(
           "result", [](const Recognized& self) { return self.recognition.result; }, "C.2.2.")
       .def_ro("extras", &Recognized::extras, "C.2.3.")
@@ -253,11 +260,13 @@ void bind_recognition(nb::module_& m) {
           nb::rv_policy::reference_internal, "The scene after the preprocessing, camera frame.")
       .def_prop_ro(
           "with_normals", [](const Recognized& self) { return &self.recognition.with_normals; },
-          nb::rv_policy::reference_internal)
+          nb::rv_policy::reference_internal, "The same with normals.")
       .def_prop_ro(
           "refinement_scene", [](const Recognized& self) { return &self.recognition.refinement_scene; },
-          nb::rv_policy::reference_internal)
-      .def_prop_ro("num_of_points_input", [](const Recognized& self) { return self.recognition.num_of_points_input; });
+          nb::rv_policy::reference_internal, "What the refinement was given.")
+      .def_prop_ro(
+          "num_of_points_input", [](const Recognized& self) { return self.recognition.num_of_points_input; },
+          "Before the preprocessing.");
   recognition.attr("__repr__") = nb::cpp_function(
       [](const Recognized& self) {
         const auto& r = self.recognition;
@@ -309,7 +318,8 @@ void bind_recognition(nb::module_& m) {
           },
           "cloud"_a, released)
       .def("recognize", &recognized, "scene"_a, released)
-      .def_prop_ro("catalogue", &PartRecognizer::catalogue, nb::rv_policy::reference_internal);
+      .def_prop_ro("catalogue", &PartRecognizer::catalogue, nb::rv_policy::reference_internal,
+                   "The parts that it knows.");
 
   nb::class_<RecognizerOptions> options(m, "RecognizerOptions", "What the Recognizer may be told.");
   const RecognizerOptions initial;
@@ -377,7 +387,7 @@ void bind_outputs(nb::module_& m) {
           "catalogue"_a, "config"_a, "step_notion"_a = nb::none(), released,
           nb::sig("def __init__(self, catalogue: Catalogue, config: GlobalPipelineConfig, step_notion: "
                   "collections.abc.Callable[[str], object] | None = None) -> None"))
-      .def_prop_ro("config", &GlobalPipeline::config, nb::rv_policy::copy);
+      .def_prop_ro("config", &GlobalPipeline::config, nb::rv_policy::copy, "What it was made with.");
   m.def(
       "write_iteration",
       [](const fs::path& folder, const Recognized& recognition, const Scene& scene, const Catalogue& catalogue,
@@ -425,7 +435,8 @@ Recognized recognized(const PartRecognizer& recognizer, const Scene& scene) {
   const Recognition& r = out.recognition;
   out.extras = extras_of(r, catalogue);
   for (const Detection& detection : r.detections) {
-    NamedDetection named{name_of(detection.part), detection, detection.confidence > 0 || !detection.covariance.isZero(0)};
+    NamedDetection named{name_of(detection.part), detection,
+                         detection.confidence > 0 || !detection.covariance.isZero(0)};
     for (const auto& each : detection.alternatives) named.alternatives.push_back({name_of(each.part), each});
     out.detections.push_back(std::move(named));
   }

@@ -10,8 +10,8 @@ namespace partpose::python {
 void bind_report(nb::module_& parent) {
   auto m = room(parent, "report", "One HTML page of an output folder.");
   nb::class_<ReportSummary> summary(m, "ReportSummary", "What write_report wrote.");
-  summary.def_ro("frames", &ReportSummary::frames)
-      .def_ro("bytes", &ReportSummary::bytes)
+  summary.def_ro("frames", &ReportSummary::frames, "That the page shows.")
+      .def_ro("bytes", &ReportSummary::bytes, "Of the file.")
       .def_ro("thinned", &ReportSummary::thinned, "Some frame's points or depth are not shown in full.")
       .def_ro("problems", &ReportSummary::problems, "Files that could not be read.");
   bind_repr(summary, {"frames", "bytes", "thinned", "problems"});
@@ -24,7 +24,8 @@ void bind_report(nb::module_& parent) {
       "folder"_a, "file"_a, "title"_a = "", "limit_deg"_a = ReportOptions{}.limit_deg,
       "limit_mm"_a = ReportOptions{}.limit_mm, "most_bytes"_a = ReportOptions{}.most_bytes,
       nb::call_guard<nb::gil_scoped_release>(),
-      "Makes one self-contained HTML page of an output folder: all frames in numbers, each frame in 3-D. A pose is right "
+      "Makes one self-contained HTML page of an output folder: all frames in numbers, each frame in 3-D. A pose is "
+      "right "
       "below both limits; points and depth images are thinned so that the file stays below `most_bytes`.");
 }
 
