@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import os
 import re
+import threading
 import time
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -130,6 +132,39 @@ class DepthFolder(Source):
         self._closed = True
 
 
+class _Mailbox:
+    """Frames on their way from a camera's thread to the reader. Without `keep_all` the oldest is dropped where there is no
+    room; with it, the camera's thread waits."""
+
+    def __init__(self, room: int, keep_all: bool) -> None:
+        self._room, self._keep_all = room, keep_all
+        self._frames: deque[Frame] = deque()
+        self._changed = threading.Condition()
+        self._closed = False
+
+    def put(self, frame: Frame) -> None:
+        with self._changed:
+            while self._keep_all and len(self._frames) >= self._room and not self._closed:
+                self._changed.wait()
+            if len(self._frames) >= self._room:
+                self._frames.popleft()
+            self._frames.append(frame)
+            self._changed.notify_all()
+
+    def get(self, timeout_s: float) -> Frame | None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._frames, timeout_s)
+            if not self._frames:
+                return None
+            self._changed.notify_all()
+            return self._frames.popleft()
+
+    def close(self) -> None:
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+
+
 class RealSense(Source):
     """A RealSense camera, or a recording of one (.bag, or .db3 of newer SDKs), through pyrealsense2 (`pip install
     'partpose[realsense]'`). Depth as the camera gives it, without filters, with the depth imager's own intrinsics.
@@ -171,37 +206,35 @@ class RealSense(Source):
             raise Error("RealSense: the device has no depth sensor")
         profile = _chosen_profile(_depth_profiles(rs, sensor), width, height, fps)
         self.intrinsics = _pinhole(rs, profile)
-        # A camera's queue holds the newest frame alone, a recording's all: the reader waits until there is room.
-        self._queue = rs.frame_queue(1 if self._playback is None else 16, True)
+        self._frames = _Mailbox(room=1 if self._playback is None else 16, keep_all=self._playback is not None)
         sensor.open(profile)
         self._sensor = sensor
-        sensor.start(self._queue)
+        sensor.start(self._take)
+
+    def _take(self, frame: Any) -> None:
+        """Called by the SDK's thread."""
+        if frame.is_depth_frame():
+            depth = frame.as_depth_frame()
+            depth_mm = np.asanyarray(depth.get_data()).astype(np.float32) * np.float32(1000 * depth.get_units())
+            self._frames.put(Frame(depth_mm, self.intrinsics, depth.get_timestamp() / 1000, depth.get_frame_number()))
 
     def read(self, timeout_s: float = 5.0) -> Frame | None:
         """The newest frame of a camera, the next of a recording."""
         deadline = time.monotonic() + timeout_s
         while self._sensor is not None:
-            # Short waits, so that Ctrl-C is not kept waiting.
-            found, frame = self._queue.try_wait_for_frame(100)
-            if found and frame.is_depth_frame():
-                return self._frame(frame.as_depth_frame())
-            if found:
-                continue
-            if self._playback is not None and "stopped" in str(self._playback.current_status()):
-                return None
+            ended = self._playback is not None and "stopped" in str(self._playback.current_status())
+            frame = self._frames.get(0.1)  # short waits, so that Ctrl-C is not kept waiting
+            if frame is not None or ended:
+                return frame
             if time.monotonic() > deadline:
                 raise Error(f"RealSense: no depth frame within {timeout_s:g} s; is the camera still connected?")
         return None
-
-    def _frame(self, frame: Any) -> Frame:
-        pixels = np.asanyarray(frame.get_data())
-        depth_mm = pixels.astype(np.float32) * np.float32(1000 * frame.get_units())
-        return Frame(depth_mm, self.intrinsics, frame.get_timestamp() / 1000, frame.get_frame_number())
 
     def close(self) -> None:
         """Stops the stream."""
         sensor, self._sensor = self._sensor, None
         if sensor is not None:
+            self._frames.close()
             sensor.stop()
             sensor.close()
 
