@@ -91,7 +91,7 @@ class Reader:
 
     def _shell(self, where: str, block: Block) -> None:
         after = self.folder / ".after"
-        script = f"{block.text}\n{{ pwd; env -0; }} >'{after}'"
+        script = f"set -a  # variables stay, as in a terminal\n{block.text}\n{{ pwd; env -0; }} >'{after}'"
         done = subprocess.run(
             ["bash", "-euo", "pipefail", "-c", script], cwd=self.folder, env=self.environment, capture_output=True, text=True
         )
