@@ -536,23 +536,53 @@ def recognize_bop(dataset: partpose.io.BopDataset, recognizer: partpose.pipeline
     """The estimates of all targets' images."""
 
 class BopScoreOptions:
-    """How a results file is scored."""
+    """
+    How a results file is scored.
 
-    def __init__(self, *, vsd: bool = True, vsd_delta_mm: float = 15.0, image_width: int = 0) -> None: ...
+    vsd = True: whether VSD is taken, where there are depth images
+    vsd_delta_mm = 15.0: a surface this far behind what was measured still counts as visible [mm]
+    image_width = 0: px; 0: of camera.json, or else of the depth images
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, vsd: bool = True, vsd_delta_mm: float = 15.0, image_width: int = 0) -> None: ...
 
     @property
     def vsd(self) -> bool:
-        """Whether VSD is taken, where there are depth images."""
+        """whether VSD is taken, where there are depth images"""
+
+    @vsd.setter
+    def vsd(self, value: bool, /) -> None: ...
 
     @property
     def vsd_delta_mm(self) -> float:
-        """A surface this far behind what was measured still counts as visible."""
+        """
+        a surface this far behind what was measured still counts as visible [mm]
+        """
+
+    @vsd_delta_mm.setter
+    def vsd_delta_mm(self, value: float, /) -> None: ...
 
     @property
     def image_width(self) -> int:
-        """px; 0: of camera.json, or else of the depth images."""
+        """px; 0: of camera.json, or else of the depth images"""
+
+    @image_width.setter
+    def image_width(self, value: int, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
 
     def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
 
 class BopMatch:
     """An estimate that found a ground truth."""

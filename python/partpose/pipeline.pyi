@@ -1200,23 +1200,53 @@ class PartRecognizer:
         """The parts that it knows."""
 
 class RecognizerOptions:
-    """What the Recognizer may be told."""
+    """
+    What the Recognizer may be told.
 
-    def __init__(self, *, min_score: float = 0.72, shortlist_views: int = 400, rolls: int = 12) -> None: ...
+    min_score = 0.72: a candidate whose render-and-compare score is lower is not believed, 0 to 1
+    shortlist_views = 400: views that go on from the matching, >= 1
+    rolls = 12: turns about the line of sight that each is tried at, >= 1
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, min_score: float = 0.72, shortlist_views: int = 400, rolls: int = 12) -> None: ...
 
     @property
     def min_score(self) -> float:
-        """Lower render-and-compare scores are not believed, 0 to 1."""
+        """
+        a candidate whose render-and-compare score is lower is not believed, 0 to 1
+        """
+
+    @min_score.setter
+    def min_score(self, value: float, /) -> None: ...
 
     @property
     def shortlist_views(self) -> int:
-        """Views that go on from the matching."""
+        """views that go on from the matching, >= 1"""
+
+    @shortlist_views.setter
+    def shortlist_views(self, value: int, /) -> None: ...
 
     @property
     def rolls(self) -> int:
-        """Turns about the line of sight that each is tried at."""
+        """turns about the line of sight that each is tried at, >= 1"""
+
+    @rolls.setter
+    def rolls(self, value: int, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
 
     def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
 
 class Recognizer(PartRecognizer):
     """The pipeline without a configuration."""

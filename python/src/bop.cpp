@@ -206,6 +206,17 @@ void bind_bop_files(nb::module_& m) {
       "file"_a, "estimates"_a, "scene_id,im_id,obj_id,score,R,t,time.");
 }
 
+/// With the description that makes it a Python class like all other options.
+struct DescribedBopScoreOptions : BopScoreOptions {
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("vsd", self.vsd, "whether VSD is taken, where there are depth images");
+    visit("vsd_delta_mm", self.vsd_delta_mm,
+          "a surface this far behind what was measured still counts as visible [mm]");
+    visit("image_width", self.image_width, "px; 0: of camera.json, or else of the depth images");
+  }
+};
+
 void bind_bop_evaluation(nb::module_& m) {
   m.def(
       "bop_catalogue",
@@ -226,22 +237,7 @@ void bind_bop_evaluation(nb::module_& m) {
       "dataset"_a, "recognizer"_a, "min_score"_a, "progress"_a = nb::none(), released,
       "The estimates of all targets' images.");
 
-  nb::class_<BopScoreOptions> options(m, "BopScoreOptions", "How a results file is scored.");
-  options
-      .def(
-          "__init__",
-          [](BopScoreOptions* self, bool vsd, double vsd_delta_mm, int image_width) {
-            const BopScoreOptions made{vsd, vsd_delta_mm, image_width};
-            made.check();
-            new (self) BopScoreOptions(made);
-          },
-          nb::kw_only(), "vsd"_a = BopScoreOptions{}.vsd, "vsd_delta_mm"_a = BopScoreOptions{}.vsd_delta_mm,
-          "image_width"_a = BopScoreOptions{}.image_width)
-      .def_ro("vsd", &BopScoreOptions::vsd, "Whether VSD is taken, where there are depth images.")
-      .def_ro("vsd_delta_mm", &BopScoreOptions::vsd_delta_mm,
-              "A surface this far behind what was measured still counts as visible.")
-      .def_ro("image_width", &BopScoreOptions::image_width, "px; 0: of camera.json, or else of the depth images.");
-  bind_repr(options, {"vsd", "vsd_delta_mm", "image_width"});
+  bind_described<DescribedBopScoreOptions>(m, "BopScoreOptions", "How a results file is scored.");
 
   nb::class_<BopMatch> match(m, "BopMatch", "An estimate that found a ground truth.");
   match.def_ro("scene_id", &BopMatch::scene_id, "In which scene.")
@@ -276,11 +272,11 @@ void bind_bop_evaluation(nb::module_& m) {
   bind_repr(scores, {"average_recall", "vsd", "mssd", "mspd", "targets_count", "estimates_kept"});
   m.def(
       "score_bop",
-      [](const BopDataset& dataset, const std::vector<BopEstimate>& estimates, const BopScoreOptions& how,
+      [](const BopDataset& dataset, const std::vector<BopEstimate>& estimates, const DescribedBopScoreOptions& how,
          const Callback& progress) {
         return interruptible(progress, [&](const Progress& told) { return score_bop(dataset, estimates, how, told); });
       },
-      "dataset"_a, "estimates"_a, "options"_a = BopScoreOptions{}, "progress"_a = nb::none(), released,
+      "dataset"_a, "estimates"_a, "options"_a = DescribedBopScoreOptions{}, "progress"_a = nb::none(), released,
       "Scores estimates as the BOP benchmark's localization task does.");
 }
 

@@ -10,33 +10,33 @@
 
 namespace partpose::python {
 
+namespace {
+
+/// With the description that makes it a Python class like all other options.
+struct DescribedEngineOptions : EngineOptions {
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("min_score", self.min_score, "a candidate that agrees less with the frame is not believed, 0 to 1");
+  }
+};
+
+}  // namespace
+
 void bind_engine(nb::module_& parent) {
   namespace fs = std::filesystem;
   auto m = room(parent, "engine", "The engine: templates, a distance field and render-and-compare.");
   const auto released = nb::call_guard<nb::gil_scoped_release>();
 
-  nb::class_<EngineOptions> options(m, "EngineOptions", "What the Engine may be told.");
-  options
-      .def(
-          "__init__",
-          [](EngineOptions* self, float min_score) {
-            EngineOptions made;
-            made.min_score = min_score;
-            made.check();
-            new (self) EngineOptions(made);
-          },
-          nb::kw_only(), "min_score"_a.sig("...") = EngineOptions{}.min_score)
-      .def_ro("min_score", &EngineOptions::min_score,
-              "A candidate that agrees less with the frame is not believed, 0 to 1.");
-  bind_repr(options, {"min_score"});
+  bind_described<DescribedEngineOptions>(m, "EngineOptions", "What the Engine may be told.");
 
   nb::class_<Engine, PartRecognizer>(m, "Engine",
                                      "Recognizes parts by their shape alone: depth templates find them, a distance "
                                      "field and rendering decide. All objects of a frame are in the detections.")
-      .def(nb::init<Catalogue, EngineOptions>(), "catalogue"_a, "options"_a = EngineOptions{}, released)
+      .def(nb::init<Catalogue, DescribedEngineOptions>(), "catalogue"_a, "options"_a = DescribedEngineOptions{},
+           released)
       .def_static(
           "from_files",
-          [](const std::vector<fs::path>& paths, const EngineOptions& options,
+          [](const std::vector<fs::path>& paths, const DescribedEngineOptions& options,
              const std::optional<fs::path>& cache_folder, const Callback& progress) {
             const fs::path cache = cache_folder ? *cache_folder : default_cache_folder();
             return interruptible(progress, [&](const Progress& told) {
@@ -45,7 +45,8 @@ void bind_engine(nb::module_& parent) {
                   options);
             });
           },
-          "paths"_a, "options"_a = EngineOptions{}, "cache_folder"_a = nb::none(), "progress"_a = nb::none(), released,
+          "paths"_a, "options"_a = DescribedEngineOptions{}, "cache_folder"_a = nb::none(), "progress"_a = nb::none(),
+          released,
           "Of model files, or folders of them. The catalogue is made on first use and kept under the cache folder.");
 }
 

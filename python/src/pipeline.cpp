@@ -191,6 +191,16 @@ void bind_detections(nb::module_& m) {
       nb::name("__repr__"), nb::scope(detection), nb::is_method());
 }
 
+/// With the description that makes it a Python class like all other options.
+struct DescribedRecognizerOptions : RecognizerOptions {
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("min_score", self.min_score, "a candidate whose render-and-compare score is lower is not believed, 0 to 1");
+    visit("shortlist_views", self.shortlist_views, "views that go on from the matching, >= 1");
+    visit("rolls", self.rolls, "turns about the line of sight that each is tried at, >= 1");
+  }
+};
+
 void bind_recognition(nb::module_& m) {
   nb::class_<Recognized> recognition(m, "Recognition",
                                      "What happened to one scene; false when nothing was recognized.");
@@ -321,31 +331,14 @@ void bind_recognition(nb::module_& m) {
       .def_prop_ro("catalogue", &PartRecognizer::catalogue, nb::rv_policy::reference_internal,
                    "The parts that it knows.");
 
-  nb::class_<RecognizerOptions> options(m, "RecognizerOptions", "What the Recognizer may be told.");
-  const RecognizerOptions initial;
-  options
-      .def(
-          "__init__",
-          [](RecognizerOptions* self, float min_score, int shortlist_views, int rolls) {
-            RecognizerOptions made;
-            made.min_score = min_score;
-            made.shortlist_views = shortlist_views;
-            made.rolls = rolls;
-            made.check();
-            new (self) RecognizerOptions(made);
-          },
-          nb::kw_only(), "min_score"_a.sig("0.72") = initial.min_score, "shortlist_views"_a = initial.shortlist_views,
-          "rolls"_a = initial.rolls)
-      .def_ro("min_score", &RecognizerOptions::min_score, "Lower render-and-compare scores are not believed, 0 to 1.")
-      .def_ro("shortlist_views", &RecognizerOptions::shortlist_views, "Views that go on from the matching.")
-      .def_ro("rolls", &RecognizerOptions::rolls, "Turns about the line of sight that each is tried at.");
-  bind_repr(options, {"min_score", "shortlist_views", "rolls"});
+  bind_described<DescribedRecognizerOptions>(m, "RecognizerOptions", "What the Recognizer may be told.");
 
   nb::class_<Recognizer, PartRecognizer>(m, "Recognizer", "The pipeline without a configuration.")
-      .def(nb::init<Catalogue, RecognizerOptions>(), "catalogue"_a, "options"_a = RecognizerOptions{}, released)
+      .def(nb::init<Catalogue, DescribedRecognizerOptions>(), "catalogue"_a, "options"_a = DescribedRecognizerOptions{},
+           released)
       .def_static(
           "from_files",
-          [](const std::vector<fs::path>& files_or_folders, const RecognizerOptions& options,
+          [](const std::vector<fs::path>& files_or_folders, const DescribedRecognizerOptions& options,
              const std::optional<fs::path>& cache_folder, const Callback& progress) {
             const fs::path cache = cache_folder ? *cache_folder : default_cache_folder();
             return interruptible(progress, [&](const Progress& told) {
@@ -354,8 +347,8 @@ void bind_recognition(nb::module_& m) {
                                     options);
             });
           },
-          "paths"_a, "options"_a = RecognizerOptions{}, "cache_folder"_a = nb::none(), "progress"_a = nb::none(),
-          released,
+          "paths"_a, "options"_a = DescribedRecognizerOptions{}, "cache_folder"_a = nb::none(),
+          "progress"_a = nb::none(), released,
           "Of model files, or folders of them. The catalogue is made on first use and kept under the cache folder.")
       .def_static("catalogue_config", &Recognizer::catalogue_config,
                   "The pipeline configuration that its catalogue is to be made with.");
