@@ -151,7 +151,12 @@ def _run(options: argparse.Namespace, output: TextIO) -> int:
 def _next(source: sources.Source, stop: _Stop) -> sources.Frame | None:
     """The next frame; None also when Ctrl-C came while waiting for it."""
     if not (isinstance(source, sources.DepthFolder) and source.follow):
-        return source.read()
+        try:
+            return source.read()
+        except Error:
+            if stop.asked:
+                return None  # the camera gave nothing more, and nobody waits for it
+            raise
     while not stop.asked:
         frame = source.read(timeout_s=0.2)
         if frame is not None:
