@@ -351,7 +351,8 @@ class VirtualDepthCameraOptions:
 
     def __reduce__(self) -> tuple[Any, ...]: ...
 
-    def intrinsics(self) -> partpose.core.Intrinsics: ...
+    def intrinsics(self) -> partpose.core.Intrinsics:
+        """Of that field of view and resolution."""
 
 def render(mesh: partpose.core.TriangleMesh, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], intrinsics: partpose.core.Intrinsics) -> tuple[partpose.core.DepthImage, Annotated[NDArray[numpy.int32], dict(shape=(None, None))]]:
     """

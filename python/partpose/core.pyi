@@ -24,22 +24,28 @@ class Intrinsics:
         """Image edges at +-fov/2, the principal point in the image's centre."""
 
     @property
-    def width(self) -> int: ...
+    def width(self) -> int:
+        """Of the image, px."""
 
     @property
-    def height(self) -> int: ...
+    def height(self) -> int:
+        """Of the image, px."""
 
     @property
-    def fx(self) -> float: ...
+    def fx(self) -> float:
+        """Focal length in x, px."""
 
     @property
-    def fy(self) -> float: ...
+    def fy(self) -> float:
+        """Focal length in y, px."""
 
     @property
-    def cx(self) -> float: ...
+    def cx(self) -> float:
+        """Principal point in x, px."""
 
     @property
-    def cy(self) -> float: ...
+    def cy(self) -> float:
+        """Principal point in y, px."""
 
     def unproject(self, u: float, v: float, z_mm: float) -> Annotated[NDArray[numpy.float32], dict(shape=(3), order='C')]:
         """Point in the camera frame (mm) at a pixel and a depth (mm)."""
@@ -63,7 +69,8 @@ class PointCloud:
     def __init__(self, points: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], normals: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))] | None = None, curvatures: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None,))] | None = None, width: int = 0, height: int = 0) -> None: ...
 
     @property
-    def points(self) -> Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 3))]: ...
+    def points(self) -> Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 3))]:
+        """N x 3, mm."""
 
     @property
     def normals(self) -> Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 3))]:
@@ -74,18 +81,23 @@ class PointCloud:
         """Empty when there are none."""
 
     @property
-    def width(self) -> int: ...
+    def width(self) -> int:
+        """Of an organized cloud; otherwise the number of points."""
 
     @property
-    def height(self) -> int: ...
+    def height(self) -> int:
+        """Of an organized cloud; otherwise 1."""
 
     def __len__(self) -> int: ...
 
-    def has_normals(self) -> bool: ...
+    def has_normals(self) -> bool:
+        """Whether each point has a normal."""
 
-    def has_curvatures(self) -> bool: ...
+    def has_curvatures(self) -> bool:
+        """Whether each point has a curvature."""
 
-    def is_organized(self) -> bool: ...
+    def is_organized(self) -> bool:
+        """Whether the points are those of an image, row by row."""
 
     def __repr__(self) -> str: ...
 
@@ -117,10 +129,12 @@ class DepthImage:
         """uint16 or float pixels in units of `depth_scale_mm` mm."""
 
     @property
-    def width(self) -> int: ...
+    def width(self) -> int:
+        """px."""
 
     @property
-    def height(self) -> int: ...
+    def height(self) -> int:
+        """px."""
 
     @property
     def z_mm(self) -> Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, None))]:
@@ -145,10 +159,12 @@ class TriangleMesh:
     def __init__(self, vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], triangles: Annotated[numpy.typing.NDArray[numpy.integer[Any]], dict(shape=(None, 3))]) -> None: ...
 
     @property
-    def vertices(self) -> Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 3))]: ...
+    def vertices(self) -> Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 3))]:
+        """N x 3, mm."""
 
     @property
-    def triangles(self) -> Annotated[numpy.typing.NDArray[numpy.int32], dict(shape=(None, 3))]: ...
+    def triangles(self) -> Annotated[numpy.typing.NDArray[numpy.int32], dict(shape=(None, 3))]:
+        """M x 3 indices of vertices."""
 
     def face_normal(self, t: int) -> Annotated[NDArray[numpy.float32], dict(shape=(3), order='C')]:
         """Unit normal by the winding; zero for a degenerate triangle."""

@@ -149,14 +149,14 @@ class ModelList:
     """
     Appendix C.1.2: the parts' STL files.
 
-    model_paths: paths to the parts' STL files
+    model_paths: paths to the parts' model files
     """
 
     def __init__(self, values: Mapping[str, Any] | None = None, /, *, model_paths: Sequence[str] = ...) -> None: ...
 
     @property
     def model_paths(self) -> tuple[str, ...]:
-        """paths to the parts' STL files"""
+        """paths to the parts' model files"""
 
     @model_paths.setter
     def model_paths(self, value: Sequence[str], /) -> None: ...
@@ -272,7 +272,8 @@ class ModelSymmetries:
 
     def __reduce__(self) -> tuple[Any, ...]: ...
 
-    def symmetries(self) -> partpose.geometry.Symmetries: ...
+    def symmetries(self) -> partpose.geometry.Symmetries:
+        """The same as Symmetries."""
 
 class ModelInfo:
     """
@@ -400,7 +401,7 @@ class DatasetModel:
 
     T1: moves the bounding box's centre to the origin, 4x4 [mm]
     id: names the folder under models/
-    name: the STL file's name without its ending
+    name: the model file's name without its ending, or the part's own
     mesh_hash: tells whether mesh.stl changed since its views were rendered
     symmetries_discrete: motions that map the part onto itself, 4x4 row by row [mm], model frame, without the identity
     symmetries_continuous: axes about which it may be turned by any angle
@@ -426,7 +427,7 @@ class DatasetModel:
 
     @property
     def name(self) -> str:
-        """the STL file's name without its ending"""
+        """the model file's name without its ending, or the part's own"""
 
     @name.setter
     def name(self, value: str, /) -> None: ...
@@ -484,7 +485,8 @@ class DatasetModel:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
     @property
-    def symmetries(self) -> partpose.geometry.Symmetries: ...
+    def symmetries(self) -> partpose.geometry.Symmetries:
+        """As the dataset states them."""
 
 class DatasetView:
     """
@@ -576,18 +578,24 @@ class Dataset:
     """The folder of appendix C.1.4."""
 
     @property
-    def folder(self) -> pathlib.Path: ...
+    def folder(self) -> pathlib.Path:
+        """Where it is."""
 
     @property
-    def out(self) -> DatasetOut: ...
+    def out(self) -> DatasetOut:
+        """What dataset.json says."""
 
-    def model_folder(self, model_id: int) -> pathlib.Path: ...
+    def model_folder(self, model_id: int) -> pathlib.Path:
+        """The folder of a model."""
 
-    def mesh_path(self, model_id: int) -> pathlib.Path: ...
+    def mesh_path(self, model_id: int) -> pathlib.Path:
+        """The mesh of a model."""
 
-    def view_path(self, model_id: int, view_id: int) -> pathlib.Path: ...
+    def view_path(self, model_id: int, view_id: int) -> pathlib.Path:
+        """The cloud of a model's view."""
 
-    def camera_from_model(self, model_index: int, view_index: int) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self, model_index: int, view_index: int) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """The pose of a model in a view."""
 
     def __repr__(self) -> str: ...
 

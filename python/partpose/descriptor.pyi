@@ -17,9 +17,10 @@ class VfhOptions:
     use_fill_size_component = True: fill the 45 bins of the distances to the centroid; zeros otherwise
     use_normalized_bins = True: bins in per cent of the points rather than in points
     use_normalized_distances = True: distances to the centroid relative to the largest; otherwise in steps of 10 mm
+    leak_as_pcl = False: repeat a fault of PCL 1.13: two lengths d are sqrt(d^2 + 1), which matters for clouds in metres
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, k_nn: int = 6, use_fill_size_component: bool = True, use_normalized_bins: bool = True, use_normalized_distances: bool = True) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, k_nn: int = 6, use_fill_size_component: bool = True, use_normalized_bins: bool = True, use_normalized_distances: bool = True, leak_as_pcl: bool = False) -> None: ...
 
     @property
     def k_nn(self) -> int:
@@ -50,6 +51,15 @@ class VfhOptions:
 
     @use_normalized_distances.setter
     def use_normalized_distances(self, value: bool, /) -> None: ...
+
+    @property
+    def leak_as_pcl(self) -> bool:
+        """
+        repeat a fault of PCL 1.13: two lengths d are sqrt(d^2 + 1), which matters for clouds in metres
+        """
+
+    @leak_as_pcl.setter
+    def leak_as_pcl(self, value: bool, /) -> None: ...
 
     def to_dict(self) -> dict[str, Any]:
         """What its JSON file would say."""
@@ -279,9 +289,10 @@ class EsfOptions:
     k_nn = 6: number of nearest neighbours, >= 1
     samples = 20000: triangles drawn from the points, 1 to 10000000
     seed = 1: of the draws, >= 0
+    steady_extent = True: lengths and areas relative to the mean of the largest of five draws; false: to the draw's largest, as PCL
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, k_nn: int = 6, samples: int = 20000, seed: int = 1) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, k_nn: int = 6, samples: int = 20000, seed: int = 1, steady_extent: bool = True) -> None: ...
 
     @property
     def k_nn(self) -> int:
@@ -303,6 +314,15 @@ class EsfOptions:
 
     @seed.setter
     def seed(self, value: int, /) -> None: ...
+
+    @property
+    def steady_extent(self) -> bool:
+        """
+        lengths and areas relative to the mean of the largest of five draws; false: to the draw's largest, as PCL
+        """
+
+    @steady_extent.setter
+    def steady_extent(self, value: bool, /) -> None: ...
 
     def to_dict(self) -> dict[str, Any]:
         """What its JSON file would say."""
@@ -451,23 +471,28 @@ class Description:
     def histogram(self) -> Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None,))]: ...
 
     @property
-    def centroid_mm(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]: ...
+    def centroid_mm(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]:
+        """Of the points described."""
 
     @property
-    def support(self) -> int: ...
+    def support(self) -> int:
+        """How many points are described."""
 
     @property
-    def valid(self) -> bool: ...
+    def valid(self) -> bool:
+        """False: nothing can be said of these points."""
 
     @property
-    def camera_from_reference(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')] | None: ...
+    def camera_from_reference(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')] | None:
+        """The descriptor's reference frame; None: it has none."""
 
     def __repr__(self) -> str: ...
 
 class GlobalDescriptor:
     """A descriptor of a whole, segmented cloud with normals."""
 
-    def bins(self) -> int: ...
+    def bins(self) -> int:
+        """The length of its histograms."""
 
     def describe(self, cloud: partpose.core.PointCloud) -> list[Description]:
         """Nothing for a cloud that it is not defined for."""

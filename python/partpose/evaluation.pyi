@@ -1,6 +1,7 @@
 # Written by script/make_stubs.
 from collections.abc import Callable, Mapping, Sequence
 import os
+import pathlib
 from typing import Annotated, Any, Self
 
 import numpy
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 import partpose.core
 import partpose.dataset
 import partpose.geometry
+import partpose.io
 import partpose.pipeline
 
 
@@ -27,22 +29,47 @@ def mssd_mm(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(
 def mspd_px(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], symmetries: partpose.geometry.Symmetries, intrinsics: partpose.core.Intrinsics) -> float:
     """MSPD: the same in the image, px."""
 
+def ad_mm(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], symmetric: bool) -> float:
+    """AD: ADI of a symmetric object, or else ADD."""
+
+def projection_error_px(vertices: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None, 3))], estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], intrinsics: partpose.core.Intrinsics) -> float:
+    """
+    The mean distance of the vertices' projections in px, symmetry ignored.
+    """
+
+def visible_surface_discrepancy(mesh: partpose.core.TriangleMesh, measured: partpose.core.DepthImage, estimate: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], intrinsics: partpose.core.Intrinsics, diameter_mm: float, delta_mm: float = 15.0) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+    """
+    VSD for each tau of bop_fractions(), in shares of the diameter. The part is rendered at both poses.
+    """
+
+def bop_fractions() -> list[float]:
+    """
+    0.05, 0.10, ..., 0.50: the thresholds of MSSD (shares of the diameter) and VSD, and its taus.
+    """
+
+def bop_pixels() -> list[float]:
+    """5, 10, ..., 50: the thresholds of MSPD in px of an image 640 px wide."""
+
 class GroundTruth:
     """What a scene shows. An empty name: none of the catalogue's parts."""
 
     def __init__(self, model_name: str, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], model_id: int = -1, view_id: int = -1) -> None: ...
 
     @property
-    def model_name(self) -> str: ...
+    def model_name(self) -> str:
+        """Of the part shown."""
 
     @property
-    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """Its pose."""
 
     @property
-    def model_id(self) -> int: ...
+    def model_id(self) -> int:
+        """Its number in the dataset; -1: not known."""
 
     @property
-    def view_id(self) -> int: ...
+    def view_id(self) -> int:
+        """Of the dataset's view; -1: it is none."""
 
     def __repr__(self) -> str: ...
 
@@ -53,16 +80,20 @@ class ProtocolFrame:
     """A dataset's view as a test scene."""
 
     @property
-    def truth(self) -> GroundTruth: ...
+    def truth(self) -> GroundTruth:
+        """What was shown."""
 
     @property
-    def result(self) -> partpose.pipeline.Result: ...
+    def result(self) -> partpose.pipeline.Result:
+        """What was recognized."""
 
     @property
-    def evaluation(self) -> partpose.pipeline.Evaluation: ...
+    def evaluation(self) -> partpose.pipeline.Evaluation:
+        """How they compare."""
 
     @property
-    def time_ms(self) -> float: ...
+    def time_ms(self) -> float:
+        """Of the recognition."""
 
     def __repr__(self) -> str: ...
 
@@ -70,34 +101,44 @@ class ProtocolSummary:
     """What some frames came to."""
 
     @property
-    def frames(self) -> int: ...
+    def frames(self) -> int:
+        """How many."""
 
     @property
-    def correct(self) -> int: ...
+    def correct(self) -> int:
+        """The part is right."""
 
     @property
-    def wrong(self) -> int: ...
+    def wrong(self) -> int:
+        """Another part."""
 
     @property
-    def none(self) -> int: ...
+    def none(self) -> int:
+        """Nothing recognized."""
 
     @property
     def pose_right(self) -> int:
         """Correct, and within both limits."""
 
     @property
-    def median_ms(self) -> float: ...
+    def median_ms(self) -> float:
+        """Time of a frame."""
 
     @property
-    def p95_ms(self) -> float: ...
+    def p95_ms(self) -> float:
+        """Time of a frame that 95 % stay below."""
 
-    def correct_percent(self) -> float: ...
+    def correct_percent(self) -> float:
+        """Of all frames."""
 
-    def wrong_percent(self) -> float: ...
+    def wrong_percent(self) -> float:
+        """Of all frames."""
 
-    def none_percent(self) -> float: ...
+    def none_percent(self) -> float:
+        """Of all frames."""
 
-    def pose_right_percent(self) -> float: ...
+    def pose_right_percent(self) -> float:
+        """Of all frames."""
 
     def __repr__(self) -> str: ...
 
@@ -106,7 +147,8 @@ def run_protocol(pipeline: partpose.pipeline.GlobalPipeline, test: partpose.data
     Runs the pipeline on every view of every model of `test` (reference, 6.2.1). `output`: where each frame's iteration folder, with evaluation.json, goes.
     """
 
-def summarize(frames: Sequence[ProtocolFrame], limit_deg: float = 15.0, limit_mm: float = 15.0) -> ProtocolSummary: ...
+def summarize(frames: Sequence[ProtocolFrame], limit_deg: float = 15.0, limit_mm: float = 15.0) -> ProtocolSummary:
+    """Counts; a pose is right below both limits, symmetry ignored."""
 
 class FrameRecord:
     """
@@ -344,17 +386,22 @@ class DepthDifference:
     """How far apart two depth images are."""
 
     @property
-    def union_px(self) -> int: ...
+    def union_px(self) -> int:
+        """Pixels where either part is seen."""
 
     @property
-    def differing_px(self) -> int: ...
+    def differing_px(self) -> int:
+        """Of them: those that differ by more than noise."""
 
     @property
-    def rms_sigmas(self) -> float: ...
+    def rms_sigmas(self) -> float:
+        """Of the others, in standard deviations."""
 
-    def share(self) -> float: ...
+    def share(self) -> float:
+        """differing_px / union_px."""
 
-    def indistinguishable(self, options: AmbiguityOptions = ...) -> bool: ...
+    def indistinguishable(self, options: AmbiguityOptions = ...) -> bool:
+        """Whether a camera with this noise sees no difference."""
 
     def __repr__(self) -> str: ...
 
@@ -369,13 +416,16 @@ class AmbiguousPose:
         """Index of whose; may be another part than the one seen."""
 
     @property
-    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """The other pose."""
 
     @property
-    def difference(self) -> DepthDifference: ...
+    def difference(self) -> DepthDifference:
+        """How the two depth images differ."""
 
     @property
-    def displacement_mm(self) -> float: ...
+    def displacement_mm(self) -> float:
+        """How far a point of the part is moved at most."""
 
     def __repr__(self) -> str: ...
 
@@ -387,7 +437,264 @@ class AmbiguitySearch:
     def __init__(self, catalogue: partpose.pipeline.Catalogue, intrinsics: partpose.core.Intrinsics, difference: AmbiguityOptions = ..., min_displacement: float = 0.05, turn_step_deg: float = 10.0, most_poses: int = 40) -> None: ...
 
     @property
-    def names(self) -> list[str]: ...
+    def names(self) -> list[str]:
+        """Of its parts."""
 
     def at(self, part: str, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]) -> list[AmbiguousPose]:
         """Best first; empty when the view determines part and pose."""
+
+class PoseJudge:
+    """
+    Judges results by figures that know the parts' symmetries and what a camera can tell apart.
+    """
+
+    def __init__(self, catalogue: partpose.pipeline.Catalogue) -> None: ...
+
+    def judge(self, result: partpose.pipeline.Result, truth: GroundTruth, intrinsics: partpose.core.Intrinsics, depth: partpose.core.DepthImage | None = None, noise: AmbiguityOptions = ...) -> partpose.pipeline.Evaluation:
+        """
+        `evaluate` with ADD, ADI, MSSD, MSPD and VSD beside, and whether the camera can tell part and pose from the truth. `depth`: as measured; None: VSD takes all of the part for visible.
+        """
+
+    def diameter_mm(self, part: str) -> float:
+        """The largest distance of two vertices."""
+
+def mssd_below(evaluation: partpose.pipeline.Evaluation, share_of_diameter: float) -> bool:
+    """
+    Whether the largest deviation (MSSD) is below a share of the part's diameter.
+    """
+
+class CapturedScene:
+    """One object in a scene of a set, or none."""
+
+    @property
+    def path(self) -> pathlib.Path:
+        """Its file."""
+
+    @property
+    def kind(self) -> str:
+        """What it shows beside the object, as with_table."""
+
+    @property
+    def model_name(self) -> str:
+        """Empty: the scene shows none of the set's models."""
+
+    @property
+    def camera_from_model(self) -> list[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]]:
+        """All equivalent poses."""
+
+    def __repr__(self) -> str: ...
+
+class CapturedSet:
+    """Scenes with ground truth."""
+
+    @property
+    def folder(self) -> pathlib.Path:
+        """Where it is."""
+
+    @property
+    def scenes(self) -> list[CapturedScene]:
+        """As gt.json lists them."""
+
+    @property
+    def symmetries(self) -> dict[str, list[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]]]:
+        """By model name: model_from_model, the identity first."""
+
+    def __repr__(self) -> str: ...
+
+def read_captured_set(folder: str | os.PathLike[str]) -> CapturedSet:
+    """A folder with models/, gt.json and, if it likes, symmetries.json."""
+
+class SymmetricPoseError:
+    """How far a pose is from the nearest equivalent one."""
+
+    @property
+    def rotation_deg(self) -> float:
+        """Angle between the two."""
+
+    @property
+    def translation_mm(self) -> float:
+        """Distance of the two origins."""
+
+    @property
+    def largest_displacement_mm(self) -> float:
+        """Of a corner of the part's bounding box."""
+
+    def __repr__(self) -> str: ...
+
+def symmetric_pose_error(camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')], truth: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]], symmetries: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]], mesh: partpose.core.TriangleMesh) -> SymmetricPoseError:
+    """
+    `truth`: equivalent poses; `symmetries`: model_from_model, the identity at least.
+    """
+
+def bop_catalogue(dataset: partpose.io.BopDataset, cache_folder: str | os.PathLike[str] | None = None, progress: Callable[[str, int, int], object] | None = None) -> partpose.pipeline.Catalogue:
+    """The catalogue of those objects of a dataset that its targets ask for."""
+
+def recognize_bop_image(recognizer: partpose.pipeline.PartRecognizer, depth: partpose.core.DepthImage, intrinsics: partpose.core.Intrinsics, wanted: Mapping[int, int], min_score: float) -> list[partpose.io.BopEstimate]:
+    """The instances that are wanted, by obj_id, in one depth image."""
+
+def recognize_bop(dataset: partpose.io.BopDataset, recognizer: partpose.pipeline.PartRecognizer, min_score: float, progress: Callable[[str, int, int], object] | None = None) -> list[partpose.io.BopEstimate]:
+    """The estimates of all targets' images."""
+
+class BopScoreOptions:
+    """
+    How a results file is scored.
+
+    vsd = True: whether VSD is taken, where there are depth images
+    vsd_delta_mm = 15.0: a surface this far behind what was measured still counts as visible [mm]
+    image_width = 0: px; 0: of camera.json, or else of the depth images
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, vsd: bool = True, vsd_delta_mm: float = 15.0, image_width: int = 0) -> None: ...
+
+    @property
+    def vsd(self) -> bool:
+        """whether VSD is taken, where there are depth images"""
+
+    @vsd.setter
+    def vsd(self, value: bool, /) -> None: ...
+
+    @property
+    def vsd_delta_mm(self) -> float:
+        """
+        a surface this far behind what was measured still counts as visible [mm]
+        """
+
+    @vsd_delta_mm.setter
+    def vsd_delta_mm(self, value: float, /) -> None: ...
+
+    @property
+    def image_width(self) -> int:
+        """px; 0: of camera.json, or else of the depth images"""
+
+    @image_width.setter
+    def image_width(self, value: int, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class BopMatch:
+    """An estimate that found a ground truth."""
+
+    @property
+    def scene_id(self) -> int:
+        """In which scene."""
+
+    @property
+    def im_id(self) -> int:
+        """In which image."""
+
+    @property
+    def gt_id(self) -> int:
+        """The ground truth found."""
+
+    @property
+    def est_id(self) -> int:
+        """The estimate that found it."""
+
+    def __repr__(self) -> str: ...
+
+class BopRecall:
+    """What is found at one threshold."""
+
+    @property
+    def threshold(self) -> float:
+        """Of the error."""
+
+    @property
+    def targets_count(self) -> int:
+        """Valid ground truths."""
+
+    @property
+    def tp_count(self) -> int:
+        """Of them: found."""
+
+    @property
+    def recall(self) -> float:
+        """Of all targets together."""
+
+    @property
+    def mean_obj_recall(self) -> float:
+        """Mean of the objects' recalls."""
+
+    @property
+    def mean_scene_recall(self) -> float:
+        """Mean of the scenes' recalls."""
+
+    @property
+    def obj_recall(self) -> dict[int, float]:
+        """By obj_id."""
+
+    @property
+    def scene_recall(self) -> dict[int, float]:
+        """By scene_id."""
+
+    @property
+    def matches(self) -> list[BopMatch]:
+        """Which estimate found what."""
+
+    def __repr__(self) -> str: ...
+
+class BopScore:
+    """Recalls by one error."""
+
+    @property
+    def recalls(self) -> list[BopRecall]:
+        """By threshold; of VSD by tau, then by threshold."""
+
+    @property
+    def average_recall(self) -> float:
+        """Mean over the thresholds."""
+
+    @property
+    def obj_recall(self) -> dict[int, float]:
+        """The same of each object alone."""
+
+    def __repr__(self) -> str: ...
+
+class BopScores:
+    """Everything about a results file."""
+
+    @property
+    def targets_count(self) -> int:
+        """Instances to be found."""
+
+    @property
+    def estimates_kept(self) -> int:
+        """The best of each target."""
+
+    @property
+    def vsd(self) -> BopScore | None:
+        """None without depth images."""
+
+    @property
+    def mssd(self) -> BopScore:
+        """By MSSD."""
+
+    @property
+    def mspd(self) -> BopScore:
+        """By MSPD."""
+
+    @property
+    def average_recall(self) -> float | None:
+        """AR: the mean of AR_VSD, AR_MSSD and AR_MSPD."""
+
+    @property
+    def average_time_per_image_s(self) -> float:
+        """-1: not known."""
+
+    def __repr__(self) -> str: ...
+
+def score_bop(dataset: partpose.io.BopDataset, estimates: Sequence[partpose.io.BopEstimate], options: BopScoreOptions = ..., progress: Callable[[str, int, int], object] | None = None) -> BopScores:
+    """Scores estimates as the BOP benchmark's localization task does."""

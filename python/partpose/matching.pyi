@@ -11,9 +11,11 @@ class DescriptorIndex:
 
     def __init__(self, bins: int) -> None: ...
 
-    def add(self, histogram: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None,))]) -> None: ...
+    def add(self, histogram: Annotated[numpy.typing.NDArray[numpy.floating[Any]], dict(shape=(None,))]) -> None:
+        """A row more."""
 
-    def bins(self) -> int: ...
+    def bins(self) -> int:
+        """The length of a row."""
 
     def __len__(self) -> int: ...
 

@@ -136,9 +136,14 @@ class CandidateExtras:
     view_id = -1: the view
     score = -1.0: how well model and scene explain each other, 0 to 1; -1: not looked at
     verdict = '': "accepted", or why not
+    mesh = '': the part's mesh, relative to the output folder; empty: not saved
+    visible_model_points = None: of the part's surface in the greedy verification
+    unexplained_model_points = None: of them: no scene point is near
+    scene_points = None: of the thinned scene in the greedy verification
+    explained_scene_points = None: of them: near the part's visible surface
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, T_1: numpy.typing.ArrayLike = ..., T_2: numpy.typing.ArrayLike = ..., T_3: numpy.typing.ArrayLike = ..., T_4: numpy.typing.ArrayLike = ..., T_final: numpy.typing.ArrayLike = ..., icp_converged: bool = False, icp_fitness: float = -1.0, id: int = -1, match_distance: float = -1.0, model_id: int = -1, model_name: str = '', num_of_points: int = 0, num_of_points_refinement: int = 0, view_id: int = -1, score: float = -1.0, verdict: str = '') -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, T_1: numpy.typing.ArrayLike = ..., T_2: numpy.typing.ArrayLike = ..., T_3: numpy.typing.ArrayLike = ..., T_4: numpy.typing.ArrayLike = ..., T_final: numpy.typing.ArrayLike = ..., icp_converged: bool = False, icp_fitness: float = -1.0, id: int = -1, match_distance: float = -1.0, model_id: int = -1, model_name: str = '', num_of_points: int = 0, num_of_points_refinement: int = 0, view_id: int = -1, score: float = -1.0, verdict: str = '', mesh: str = '', visible_model_points: int | None = None, unexplained_model_points: int | None = None, scene_points: int | None = None, explained_scene_points: int | None = None) -> None: ...
 
     @property
     def T_1(self) -> Annotated[numpy.typing.NDArray[numpy.float64], dict(shape=(4, 4))]:
@@ -254,6 +259,41 @@ class CandidateExtras:
     @verdict.setter
     def verdict(self, value: str, /) -> None: ...
 
+    @property
+    def mesh(self) -> str:
+        """the part's mesh, relative to the output folder; empty: not saved"""
+
+    @mesh.setter
+    def mesh(self, value: str, /) -> None: ...
+
+    @property
+    def visible_model_points(self) -> int | None:
+        """of the part's surface in the greedy verification"""
+
+    @visible_model_points.setter
+    def visible_model_points(self, value: int | None, /) -> None: ...
+
+    @property
+    def unexplained_model_points(self) -> int | None:
+        """of them: no scene point is near"""
+
+    @unexplained_model_points.setter
+    def unexplained_model_points(self, value: int | None, /) -> None: ...
+
+    @property
+    def scene_points(self) -> int | None:
+        """of the thinned scene in the greedy verification"""
+
+    @scene_points.setter
+    def scene_points(self, value: int | None, /) -> None: ...
+
+    @property
+    def explained_scene_points(self) -> int | None:
+        """of them: near the part's visible surface"""
+
+    @explained_scene_points.setter
+    def explained_scene_points(self, value: int | None, /) -> None: ...
+
     def to_dict(self) -> dict[str, Any]:
         """What its JSON file would say."""
 
@@ -276,9 +316,11 @@ class SceneExtras:
     num_of_points_input = 0: as it came
     num_of_points_normal_estimation = 0: after the preprocessing
     num_of_points_refinement = 0: in the refinement
+    num_of_points_normals = 0: that have a normal
+    input_unit_mm = 1.0: length of one unit of scene_original.ply [mm]
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, num_of_points_input: int = 0, num_of_points_normal_estimation: int = 0, num_of_points_refinement: int = 0) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, num_of_points_input: int = 0, num_of_points_normal_estimation: int = 0, num_of_points_refinement: int = 0, num_of_points_normals: int = 0, input_unit_mm: float = 1.0) -> None: ...
 
     @property
     def num_of_points_input(self) -> int:
@@ -301,6 +343,20 @@ class SceneExtras:
     @num_of_points_refinement.setter
     def num_of_points_refinement(self, value: int, /) -> None: ...
 
+    @property
+    def num_of_points_normals(self) -> int:
+        """that have a normal"""
+
+    @num_of_points_normals.setter
+    def num_of_points_normals(self, value: int, /) -> None: ...
+
+    @property
+    def input_unit_mm(self) -> float:
+        """length of one unit of scene_original.ply [mm]"""
+
+    @input_unit_mm.setter
+    def input_unit_mm(self, value: float, /) -> None: ...
+
     def to_dict(self) -> dict[str, Any]:
         """What its JSON file would say."""
 
@@ -322,9 +378,11 @@ class MeasuredOperation:
 
     measure_ms = 0.0: wall-clock time [ms]
     tag = '': the step
+    points_in = None: of the scene, that the step was given
+    points_out = None: of the scene, that it left
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, measure_ms: float = 0.0, tag: str = '') -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, measure_ms: float = 0.0, tag: str = '', points_in: int | None = None, points_out: int | None = None) -> None: ...
 
     @property
     def measure_ms(self) -> float:
@@ -339,6 +397,20 @@ class MeasuredOperation:
 
     @tag.setter
     def tag(self, value: str, /) -> None: ...
+
+    @property
+    def points_in(self) -> int | None:
+        """of the scene, that the step was given"""
+
+    @points_in.setter
+    def points_in(self, value: int | None, /) -> None: ...
+
+    @property
+    def points_out(self) -> int | None:
+        """of the scene, that it left"""
+
+    @points_out.setter
+    def points_out(self, value: int | None, /) -> None: ...
 
     def to_dict(self) -> dict[str, Any]:
         """What its JSON file would say."""
@@ -363,9 +435,11 @@ class Extras:
     scene_extras: the scene
     time_profiling = (): each step
     timestamp = '': names the iteration's folder
+    scene = '': the file that the scene was read from; empty: none
+    reason = '': why nothing was recognized; empty when something was
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, candidate_extras: Sequence[CandidateExtras | Mapping[str, Any]] = (), scene_extras: SceneExtras | Mapping[str, Any] = ..., time_profiling: Sequence[MeasuredOperation | Mapping[str, Any]] = (), timestamp: str = '') -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, candidate_extras: Sequence[CandidateExtras | Mapping[str, Any]] = (), scene_extras: SceneExtras | Mapping[str, Any] = ..., time_profiling: Sequence[MeasuredOperation | Mapping[str, Any]] = (), timestamp: str = '', scene: str = '', reason: str = '') -> None: ...
 
     @property
     def candidate_extras(self) -> tuple[CandidateExtras, ...]:
@@ -395,6 +469,20 @@ class Extras:
     @timestamp.setter
     def timestamp(self, value: str, /) -> None: ...
 
+    @property
+    def scene(self) -> str:
+        """the file that the scene was read from; empty: none"""
+
+    @scene.setter
+    def scene(self, value: str, /) -> None: ...
+
+    @property
+    def reason(self) -> str:
+        """why nothing was recognized; empty when something was"""
+
+    @reason.setter
+    def reason(self, value: str, /) -> None: ...
+
     def to_dict(self) -> dict[str, Any]:
         """What its JSON file would say."""
 
@@ -422,9 +510,16 @@ class Evaluation:
     recognized_correctly: whether the result names the part shown
     rotation_error_deg: eq. 2.2 [deg], -1 when the part is not the one shown
     translation_error_mm: eq. 2.3 [mm], -1 when the part is not the one shown
+    diameter_mm: of the part shown: largest distance of two vertices [mm]
+    add_mm: ADD [mm], symmetry ignored
+    adi_mm: ADI [mm]
+    mssd_mm: MSSD [mm], up to the part's symmetries
+    mspd_px: MSPD [px of an image 640 px wide], up to the part's symmetries
+    vsd: VSD, 0 to 1, mean over the ten taus of BOP
+    indistinguishable: whether this camera cannot tell the result, part and pose, from the truth
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, ground_truth_model_id: int = ..., ground_truth_model_name: str = ..., ground_truth_transformation_matrix: numpy.typing.ArrayLike = ..., ground_truth_view_id: int = ..., timestamp: str = ..., recognized_correctly: bool = ..., rotation_error_deg: float = ..., translation_error_mm: float = ...) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, ground_truth_model_id: int = ..., ground_truth_model_name: str = ..., ground_truth_transformation_matrix: numpy.typing.ArrayLike = ..., ground_truth_view_id: int = ..., timestamp: str = ..., recognized_correctly: bool = ..., rotation_error_deg: float = ..., translation_error_mm: float = ..., diameter_mm: float | None = ..., add_mm: float | None = ..., adi_mm: float | None = ..., mssd_mm: float | None = ..., mspd_px: float | None = ..., vsd: float | None = ..., indistinguishable: bool | None = ...) -> None: ...
 
     @property
     def ground_truth_model_id(self) -> int:
@@ -481,6 +576,57 @@ class Evaluation:
 
     @translation_error_mm.setter
     def translation_error_mm(self, value: float, /) -> None: ...
+
+    @property
+    def diameter_mm(self) -> float | None:
+        """of the part shown: largest distance of two vertices [mm]"""
+
+    @diameter_mm.setter
+    def diameter_mm(self, value: float | None, /) -> None: ...
+
+    @property
+    def add_mm(self) -> float | None:
+        """ADD [mm], symmetry ignored"""
+
+    @add_mm.setter
+    def add_mm(self, value: float | None, /) -> None: ...
+
+    @property
+    def adi_mm(self) -> float | None:
+        """ADI [mm]"""
+
+    @adi_mm.setter
+    def adi_mm(self, value: float | None, /) -> None: ...
+
+    @property
+    def mssd_mm(self) -> float | None:
+        """MSSD [mm], up to the part's symmetries"""
+
+    @mssd_mm.setter
+    def mssd_mm(self, value: float | None, /) -> None: ...
+
+    @property
+    def mspd_px(self) -> float | None:
+        """MSPD [px of an image 640 px wide], up to the part's symmetries"""
+
+    @mspd_px.setter
+    def mspd_px(self, value: float | None, /) -> None: ...
+
+    @property
+    def vsd(self) -> float | None:
+        """VSD, 0 to 1, mean over the ten taus of BOP"""
+
+    @vsd.setter
+    def vsd(self, value: float | None, /) -> None: ...
+
+    @property
+    def indistinguishable(self) -> bool | None:
+        """
+        whether this camera cannot tell the result, part and pose, from the truth
+        """
+
+    @indistinguishable.setter
+    def indistinguishable(self, value: bool | None, /) -> None: ...
 
     def to_dict(self) -> dict[str, Any]:
         """What its JSON file would say."""
@@ -832,10 +978,12 @@ class CataloguePart:
     """A part of a catalogue."""
 
     @property
-    def id(self) -> int: ...
+    def id(self) -> int:
+        """Its number in the dataset."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """As its file or its CAD product is called."""
 
     @property
     def T1(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
@@ -855,16 +1003,20 @@ class Catalogue:
     """Everything that the online stage needs to know of the parts."""
 
     @property
-    def dataset(self) -> partpose.dataset.Dataset: ...
+    def dataset(self) -> partpose.dataset.Dataset:
+        """The dataset that it was made of."""
 
     @property
-    def parts(self) -> list[CataloguePart]: ...
+    def parts(self) -> list[CataloguePart]:
+        """In the order of their numbers."""
 
     @property
-    def index(self) -> partpose.matching.DescriptorIndex: ...
+    def index(self) -> partpose.matching.DescriptorIndex:
+        """The descriptors of all views."""
 
     @property
-    def view_count(self) -> int: ...
+    def view_count(self) -> int:
+        """Of all parts together."""
 
     def __repr__(self) -> str: ...
 
@@ -879,10 +1031,61 @@ def comparable_view(view: partpose.core.PointCloud, config: GlobalPipelineConfig
     Points and normals of a dataset's view as a scene of it would have them.
     """
 
-def default_cache_folder() -> pathlib.Path: ...
+def default_cache_folder() -> pathlib.Path:
+    """$XDG_CACHE_HOME/partpose, or else ~/.cache/partpose."""
 
 def cached_catalogue(model_paths: Sequence[str | os.PathLike[str]], dataset: partpose.dataset.DatasetPreparationConfig, pipeline: GlobalPipelineConfig, cache_folder: str | os.PathLike[str] | None = None, progress: Callable[[str, int, int], object] | None = None) -> Catalogue:
     """The catalogue of some STL files, made on first use and kept."""
+
+class Alternative:
+    """Another part or pose that explains an object too."""
+
+    @property
+    def part(self) -> str:
+        """Its name."""
+
+    @property
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """Its pose."""
+
+    @property
+    def probability(self) -> float:
+        """0 to 1."""
+
+    def __repr__(self) -> str: ...
+
+class Detection:
+    """A part found in a frame."""
+
+    @property
+    def part(self) -> str:
+        """Its name."""
+
+    @property
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """The pose, mm."""
+
+    @property
+    def score(self) -> float:
+        """0 to 1."""
+
+    @property
+    def confidence(self) -> float | None:
+        """
+        Probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1. None: this recognizer states none.
+        """
+
+    @property
+    def covariance(self) -> Annotated[numpy.typing.NDArray[numpy.float64], dict(shape=(6, 6))] | None:
+        """
+        6 x 6, of a small rotation vector [rad] and translation [mm] of the part, about its box's middle, in the camera's axes. None: this recognizer states none.
+        """
+
+    @property
+    def alternatives(self) -> list[Alternative]:
+        """Likeliest first; poses that are the same by symmetry are not listed."""
+
+    def __repr__(self) -> str: ...
 
 class Recognition:
     """What happened to one scene; false when nothing was recognized."""
@@ -900,6 +1103,20 @@ class Recognition:
         """0 to 1, of the best candidate, accepted or not; -1: there was none."""
 
     @property
+    def confidence(self) -> float | None:
+        """
+        Probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1. None: nothing was recognized, or this recognizer states none.
+        """
+
+    @property
+    def alternatives(self) -> list[Alternative]:
+        """Other parts and poses that explain the object too, likeliest first."""
+
+    @property
+    def detections(self) -> list[Detection]:
+        """All objects that were recognized, the result first."""
+
+    @property
     def candidates(self) -> list[CandidateExtras]:
         """
         In the order of the decision, each with its pose T_final and its verdict.
@@ -914,7 +1131,8 @@ class Recognition:
         """Why nothing was recognized; empty when something was."""
 
     @property
-    def total_ms(self) -> float: ...
+    def total_ms(self) -> float:
+        """Of all stages."""
 
     @property
     def result(self) -> Result:
@@ -940,13 +1158,16 @@ class Recognition:
         """The scene after the preprocessing, camera frame."""
 
     @property
-    def with_normals(self) -> partpose.core.PointCloud: ...
+    def with_normals(self) -> partpose.core.PointCloud:
+        """The same with normals."""
 
     @property
-    def refinement_scene(self) -> partpose.core.PointCloud: ...
+    def refinement_scene(self) -> partpose.core.PointCloud:
+        """What the refinement was given."""
 
     @property
-    def num_of_points_input(self) -> int: ...
+    def num_of_points_input(self) -> int:
+        """Before the preprocessing."""
 
     def __repr__(self) -> str: ...
 
@@ -975,26 +1196,57 @@ class PartRecognizer:
     def recognize(self, scene: partpose.io.Scene) -> Recognition: ...
 
     @property
-    def catalogue(self) -> Catalogue: ...
+    def catalogue(self) -> Catalogue:
+        """The parts that it knows."""
 
 class RecognizerOptions:
-    """What the Recognizer may be told."""
+    """
+    What the Recognizer may be told.
 
-    def __init__(self, *, min_score: float = 0.72, shortlist_views: int = 400, rolls: int = 12) -> None: ...
+    min_score = 0.72: a candidate whose render-and-compare score is lower is not believed, 0 to 1
+    shortlist_views = 400: views that go on from the matching, >= 1
+    rolls = 12: turns about the line of sight that each is tried at, >= 1
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, min_score: float = 0.72, shortlist_views: int = 400, rolls: int = 12) -> None: ...
 
     @property
     def min_score(self) -> float:
-        """Lower render-and-compare scores are not believed, 0 to 1."""
+        """
+        a candidate whose render-and-compare score is lower is not believed, 0 to 1
+        """
+
+    @min_score.setter
+    def min_score(self, value: float, /) -> None: ...
 
     @property
     def shortlist_views(self) -> int:
-        """Views that go on from the matching."""
+        """views that go on from the matching, >= 1"""
+
+    @shortlist_views.setter
+    def shortlist_views(self, value: int, /) -> None: ...
 
     @property
     def rolls(self) -> int:
-        """Turns about the line of sight that each is tried at."""
+        """turns about the line of sight that each is tried at, >= 1"""
+
+    @rolls.setter
+    def rolls(self, value: int, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
 
     def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
 
 class Recognizer(PartRecognizer):
     """The pipeline without a configuration."""
@@ -1019,9 +1271,10 @@ class GlobalPipeline(PartRecognizer):
     def __init__(self, catalogue: Catalogue, config: GlobalPipelineConfig, step_notion: Callable[[str], object] | None = None) -> None: ...
 
     @property
-    def config(self) -> GlobalPipelineConfig: ...
+    def config(self) -> GlobalPipelineConfig:
+        """What it was made with."""
 
-def write_iteration(folder: str | os.PathLike[str], recognition: Recognition, scene: partpose.core.PointCloud, catalogue: Catalogue, config: GlobalPipelineConfig) -> pathlib.Path:
+def write_iteration(folder: str | os.PathLike[str], recognition: Recognition, scene: partpose.io.Scene, catalogue: Catalogue, config: GlobalPipelineConfig) -> pathlib.Path:
     """Writes the iteration output folder of the reference and returns it."""
 
 def draw_overlay(depth: partpose.core.DepthImage, intrinsics: partpose.core.Intrinsics, mesh: partpose.core.TriangleMesh | None = None, camera_from_model: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')] | None = None) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None, 3))]:

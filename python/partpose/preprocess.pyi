@@ -191,24 +191,33 @@ class PreprocessedScene:
     """What is left of a scene."""
 
     @property
-    def cloud(self) -> partpose.core.PointCloud: ...
+    def cloud(self) -> partpose.core.PointCloud:
+        """What is left."""
 
     @property
-    def plane(self) -> partpose.geometry.Plane | None: ...
+    def plane(self) -> partpose.geometry.Plane | None:
+        """The plane that was removed; None: none was."""
 
     def __repr__(self) -> str: ...
 
 def preprocess(scene: partpose.core.PointCloud, options: PreprocessOptions) -> PreprocessedScene:
     """Points that are not finite are dropped first."""
 
-def scaled(cloud: partpose.core.PointCloud, factor: float) -> partpose.core.PointCloud: ...
+def scaled(cloud: partpose.core.PointCloud, factor: float) -> partpose.core.PointCloud:
+    """All points times a factor."""
 
 def cropped(cloud: partpose.core.PointCloud, xyz_limits_mm: Sequence[float]) -> partpose.core.PointCloud:
     """x min, x max, y min, y max, z min, z max."""
 
-def without_radius_outliers(cloud: partpose.core.PointCloud, radius_mm: float, min_points: int) -> partpose.core.PointCloud: ...
+def without_radius_outliers(cloud: partpose.core.PointCloud, radius_mm: float, min_points: int) -> partpose.core.PointCloud:
+    """
+    Without points that have fewer than `min_points` others within the radius.
+    """
 
-def without_statistical_outliers(cloud: partpose.core.PointCloud, neighbours: int, deviations: float) -> partpose.core.PointCloud: ...
+def without_statistical_outliers(cloud: partpose.core.PointCloud, neighbours: int, deviations: float) -> partpose.core.PointCloud:
+    """
+    Without points whose mean distance to their neighbours is far above the cloud's.
+    """
 
 def with_normals(cloud: partpose.core.PointCloud, options: NormalEstimationOptions) -> partpose.core.PointCloud:
     """Normals and curvatures of a scene seen from the origin."""

@@ -197,13 +197,16 @@ class IcpResult:
     """What icp found."""
 
     @property
-    def target_from_source(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def target_from_source(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """The motion found."""
 
     @property
-    def converged(self) -> bool: ...
+    def converged(self) -> bool:
+        """Whether the motion got as small as asked for."""
 
     @property
-    def iterations(self) -> int: ...
+    def iterations(self) -> int:
+        """How many were made."""
 
     @property
     def pairs(self) -> int:
@@ -220,13 +223,16 @@ class ProjectiveRefinement:
     """What refine_projectively found."""
 
     @property
-    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """The pose found."""
 
     @property
-    def pixels(self) -> int: ...
+    def pixels(self) -> int:
+        """That were compared last."""
 
     @property
-    def rms_mm(self) -> float: ...
+    def rms_mm(self) -> float:
+        """Of their distances."""
 
     def __repr__(self) -> str: ...
 

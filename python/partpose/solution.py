@@ -58,7 +58,7 @@ class Solution:
         recognition = pipeline.recognize(scene)
         config = pipeline.config
         if self._output is not None:
-            write_iteration(self._output, recognition, scene.cloud, pipeline.catalogue, config)
+            write_iteration(self._output, recognition, scene, pipeline.catalogue, config)
         if config.debug.result_to_cout:
             print(recognition)
         return recognition

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 import partpose.camera
 import partpose.core
+import partpose.io
 
 
 class RestingPoseOptions:
@@ -75,22 +76,28 @@ class RestingPose:
     """A pose in which a part stays on a level table by itself."""
 
     @property
-    def table_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def table_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """Table frame: z up, its top at 0."""
 
     @property
-    def probability(self) -> float: ...
+    def probability(self) -> float:
+        """To come to rest so, dropped at random."""
 
     @property
-    def centre_height_mm(self) -> float: ...
+    def centre_height_mm(self) -> float:
+        """Of the centre of mass, above the table."""
 
     @property
-    def stability_deg(self) -> float: ...
+    def stability_deg(self) -> float:
+        """The tilt that it takes to tip it over."""
 
     @property
-    def group(self) -> int: ...
+    def group(self) -> int:
+        """Poses of a group are equal by the part's symmetry."""
 
     @property
-    def down(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]: ...
+    def down(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]:
+        """The direction that is down, model frame."""
 
     def __repr__(self) -> str: ...
 
@@ -98,16 +105,20 @@ class RestingPoses:
     """The resting poses of a part, most probable first."""
 
     @property
-    def poses(self) -> list[RestingPose]: ...
+    def poses(self) -> list[RestingPose]:
+        """Each of them."""
 
     @property
-    def groups(self) -> int: ...
+    def groups(self) -> int:
+        """How many are different."""
 
     @property
-    def centre_of_mass_mm(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]: ...
+    def centre_of_mass_mm(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), order='C')]:
+        """Model frame."""
 
     @property
-    def centre_of_mass_from_mesh(self) -> bool: ...
+    def centre_of_mass_from_mesh(self) -> bool:
+        """False: the mesh is open, and the hull's was taken."""
 
     def __repr__(self) -> str: ...
 
@@ -226,7 +237,8 @@ class SceneCameraOptions:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
     @property
-    def intrinsics(self) -> partpose.core.Intrinsics: ...
+    def intrinsics(self) -> partpose.core.Intrinsics:
+        """The camera itself."""
 
 class SceneOptions:
     """
@@ -477,24 +489,30 @@ class ScenePiece:
     """Anything in a scene."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """The part's, or the kind of clutter."""
 
     @property
     def index(self) -> int:
         """Of the part; -1 for anything else."""
 
     @property
-    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_model(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """Its pose."""
 
     @property
-    def visible_px(self) -> int: ...
+    def visible_px(self) -> int:
+        """Pixels in which it is seen."""
 
     @property
-    def silhouette_px(self) -> int: ...
+    def silhouette_px(self) -> int:
+        """Pixels that it would have if nothing hid it."""
 
-    def visible_fraction(self) -> float: ...
+    def visible_fraction(self) -> float:
+        """visible_px / silhouette_px."""
 
-    def in_catalogue(self) -> bool: ...
+    def in_catalogue(self) -> bool:
+        """Whether it is one of the catalogue's parts."""
 
     def __repr__(self) -> str: ...
 
@@ -502,13 +520,16 @@ class SyntheticScene:
     """A frame and the truth about it."""
 
     @property
-    def frame(self) -> int: ...
+    def frame(self) -> int:
+        """The number that it was drawn by."""
 
     @property
-    def intrinsics(self) -> partpose.core.Intrinsics: ...
+    def intrinsics(self) -> partpose.core.Intrinsics:
+        """Of the camera."""
 
     @property
-    def camera_from_table(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]: ...
+    def camera_from_table(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C')]:
+        """Table frame: z up, its top at 0."""
 
     @property
     def pieces(self) -> list[ScenePiece]:
@@ -536,10 +557,40 @@ class SceneGenerator:
         """Depends on the options, the parts and frame alone."""
 
     @property
-    def names(self) -> list[str]: ...
+    def names(self) -> list[str]:
+        """Of all parts, the catalogue's first."""
 
     @property
-    def options(self) -> SceneOptions: ...
+    def options(self) -> SceneOptions:
+        """What it was made with."""
 
 def write_scene_dataset(catalogue: Sequence[tuple[str, partpose.core.TriangleMesh]], unknown: Sequence[tuple[str, partpose.core.TriangleMesh]], options: SceneDatasetOptions, frames: int, folder: str | os.PathLike[str], progress: Callable[[str, int, int], object] | None = None) -> None:
     """Draws frames and writes them as a BOP dataset."""
+
+class SceneDataset:
+    """A dataset that write_scene_dataset wrote."""
+
+    @property
+    def bop(self) -> partpose.io.BopDataset:
+        """Models, images and truth."""
+
+    @property
+    def options(self) -> SceneDatasetOptions:
+        """As it was made."""
+
+    @property
+    def part_names(self) -> dict[int, str]:
+        """By obj_id."""
+
+    @property
+    def unknown_names(self) -> dict[int, str]:
+        """Parts that are not in the catalogue, by their obj_id."""
+
+    @property
+    def unknown(self) -> dict[int, partpose.io.BopScene]:
+        """By scene_id: where these are."""
+
+    def __repr__(self) -> str: ...
+
+def read_scene_dataset(folder: str | os.PathLike[str]) -> SceneDataset:
+    """Error when the folder is no such dataset, or is damaged."""

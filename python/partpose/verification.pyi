@@ -105,19 +105,24 @@ class Verification:
     """How well a model at a pose and a scene explain each other."""
 
     @property
-    def accepted(self) -> bool: ...
+    def accepted(self) -> bool:
+        """Whether the candidate is believed."""
 
     @property
-    def visible_model_points(self) -> int: ...
+    def visible_model_points(self) -> int:
+        """Of the model, not hidden by itself."""
 
     @property
-    def unexplained_model_points(self) -> int: ...
+    def unexplained_model_points(self) -> int:
+        """Of them: the scene has nothing there."""
 
     @property
-    def scene_points(self) -> int: ...
+    def scene_points(self) -> int:
+        """Of the scene."""
 
     @property
-    def explained_scene_points(self) -> int: ...
+    def explained_scene_points(self) -> int:
+        """Of them: the model is there."""
 
     @property
     def reason(self) -> str:
@@ -158,7 +163,8 @@ class RenderComparison:
         """Of them: no part is rendered at or beside them."""
 
     @property
-    def cost(self) -> float: ...
+    def cost(self) -> float:
+        """The lower the better."""
 
     @property
     def score(self) -> float:

@@ -10,6 +10,7 @@
 #include "partpose/geometry/distance_grid.hpp"
 #include "partpose/geometry/icosphere.hpp"
 #include "partpose/geometry/kd_tree.hpp"
+#include "partpose/geometry/mesh_inspection.hpp"
 #include "partpose/geometry/normals.hpp"
 #include "partpose/geometry/plane.hpp"
 #include "partpose/geometry/surface_distance.hpp"
@@ -137,12 +138,12 @@ void bind_core_room(nb::module_& m) {
           "width"_a, "height"_a, "fx"_a, "fy"_a, "cx"_a, "cy"_a)
       .def_static("from_field_of_view", &Intrinsics::from_field_of_view, "width"_a, "height"_a, "horizontal_fov_deg"_a,
                   "vertical_fov_deg"_a, "Image edges at +-fov/2, the principal point in the image's centre.")
-      .def_ro("width", &Intrinsics::width)
-      .def_ro("height", &Intrinsics::height)
-      .def_ro("fx", &Intrinsics::fx)
-      .def_ro("fy", &Intrinsics::fy)
-      .def_ro("cx", &Intrinsics::cx)
-      .def_ro("cy", &Intrinsics::cy)
+      .def_ro("width", &Intrinsics::width, "Of the image, px.")
+      .def_ro("height", &Intrinsics::height, "Of the image, px.")
+      .def_ro("fx", &Intrinsics::fx, "Focal length in x, px.")
+      .def_ro("fy", &Intrinsics::fy, "Focal length in y, px.")
+      .def_ro("cx", &Intrinsics::cx, "Principal point in x, px.")
+      .def_ro("cy", &Intrinsics::cy, "Principal point in y, px.")
       .def("unproject", &Intrinsics::unproject, "u"_a, "v"_a, "z_mm"_a,
            "Point in the camera frame (mm) at a pixel and a depth (mm).")
       .def("project", &Intrinsics::project, "point_mm"_a, "Pixel coordinates of a point with z > 0.")
@@ -176,7 +177,8 @@ void bind_core_room(nb::module_& m) {
           "points"_a, "normals"_a = nb::none(), "curvatures"_a = nb::none(), "width"_a = 0, "height"_a = 0)
       .def_prop_ro(
           "points", [](nb::handle self) { return view_of(nb::cast<const PointCloud&>(self).points, self); },
-          nb::sig("def points(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 3))]"))
+          nb::sig("def points(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 3))]"),
+          "N x 3, mm.")
       .def_prop_ro(
           "normals", [](nb::handle self) { return view_of(nb::cast<const PointCloud&>(self).normals, self); },
           nb::sig("def normals(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 3))]"),
@@ -185,12 +187,12 @@ void bind_core_room(nb::module_& m) {
           "curvatures", [](nb::handle self) { return view_of(nb::cast<const PointCloud&>(self).curvatures, self); },
           nb::sig("def curvatures(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None,))]"),
           "Empty when there are none.")
-      .def_ro("width", &PointCloud::width)
-      .def_ro("height", &PointCloud::height)
+      .def_ro("width", &PointCloud::width, "Of an organized cloud; otherwise the number of points.")
+      .def_ro("height", &PointCloud::height, "Of an organized cloud; otherwise 1.")
       .def("__len__", &PointCloud::size)
-      .def("has_normals", &PointCloud::has_normals)
-      .def("has_curvatures", &PointCloud::has_curvatures)
-      .def("is_organized", &PointCloud::is_organized);
+      .def("has_normals", &PointCloud::has_normals, "Whether each point has a normal.")
+      .def("has_curvatures", &PointCloud::has_curvatures, "Whether each point has a curvature.")
+      .def("is_organized", &PointCloud::is_organized, "Whether the points are those of an image, row by row.");
   bind_repr(cloud, {"points", "normals", "curvatures", "width", "height"});
   m.def(
       "select",
@@ -226,8 +228,8 @@ void bind_core_room(nb::module_& m) {
           "__init__",
           [](DepthImage* self, const DepthPixels& pixels, double scale) { new (self) DepthImage(pixels.image(scale)); },
           "pixels"_a, "depth_scale_mm"_a = 1.0, "uint16 or float pixels in units of `depth_scale_mm` mm.")
-      .def_ro("width", &DepthImage::width)
-      .def_ro("height", &DepthImage::height)
+      .def_ro("width", &DepthImage::width, "px.")
+      .def_ro("height", &DepthImage::height, "px.")
       .def_prop_ro(
           "z_mm",
           [](nb::handle self) {
@@ -265,7 +267,8 @@ void bind_core_room(nb::module_& m) {
               "dict(shape=(None, 3))]) -> None"))
       .def_prop_ro(
           "vertices", [](nb::handle self) { return view_of(nb::cast<const TriangleMesh&>(self).vertices, self); },
-          nb::sig("def vertices(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 3))]"))
+          nb::sig("def vertices(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 3))]"),
+          "N x 3, mm.")
       .def_prop_ro(
           "triangles",
           [](nb::handle self) {
@@ -273,7 +276,8 @@ void bind_core_room(nb::module_& m) {
             return nb::ndarray<nb::numpy, const int, nb::shape<-1, 3>>(
                 triangles.empty() ? nullptr : triangles[0].data(), {triangles.size(), 3}, self);
           },
-          nb::sig("def triangles(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], dict(shape=(None, 3))]"))
+          nb::sig("def triangles(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], dict(shape=(None, 3))]"),
+          "M x 3 indices of vertices.")
       .def(
           "face_normal",
           [](const TriangleMesh& of, std::size_t t) {
@@ -330,6 +334,30 @@ void bind_core_room(nb::module_& m) {
           nb::sig("def __exit__(self, *args: object) -> None"));
 }
 
+void bind_inspection(nb::module_& m) {
+  const auto released = nb::call_guard<nb::gil_scoped_release>();
+  bind_described<MeshInspection>(m, "MeshInspection", "What a person should know before trusting a mesh.")
+      .def("sound", &MeshInspection::sound, "Nothing that repair or a person should look at; size aside.");
+  m.def("inspect_mesh", &inspect_mesh, "mesh"_a, released, "Size, gaps, shells, degenerate and flipped triangles.");
+  m.def("guess_unit", &guess_unit, "diagonal_mm"_a,
+        "In which unit a part of this diagonal (its number taken as mm) more likely is: \"metre\", \"inch\", "
+        "\"micrometre\", else empty.");
+  m.def("mm_per_unit", &mm_per_unit, "unit"_a, "One of guess_unit's in mm; 1 for any other text.");
+  nb::class_<MeshRepair> repair(m, "MeshRepair", "A repaired mesh, and what was done.");
+  repair
+      .def_prop_ro(
+          "mesh", [](const MeshRepair& self) { return &self.mesh; }, nb::rv_policy::reference_internal, "Repaired.")
+      .def_ro("weld_distance_mm", &MeshRepair::weld_distance_mm, "Vertices nearer than this were made one.")
+      .def_ro("welded_vertices", &MeshRepair::welded_vertices, "That lay so near another one.")
+      .def_ro("removed_degenerate", &MeshRepair::removed_degenerate, "Triangles without area.")
+      .def_ro("removed_duplicates", &MeshRepair::removed_duplicates, "Triangles that were there twice.")
+      .def_ro("turned_triangles", &MeshRepair::turned_triangles, "Triangles that faced inwards.")
+      .def("changed_anything", &MeshRepair::changed_anything, "Whether anything was done.");
+  bind_repr(repair, {"mesh", "welded_vertices", "removed_degenerate", "removed_duplicates", "turned_triangles"});
+  m.def("repair_mesh", &repair_mesh, "mesh"_a, "weld_distance_mm"_a = nb::none(), released,
+        "Welds vertices, removes triangles that say nothing, turns the surface outwards. The shape stays.");
+}
+
 void bind_geometry_room(nb::module_& m) {
   const auto released = nb::call_guard<nb::gil_scoped_release>();
   m.def("voxel_grid", &voxel_grid, "cloud"_a, "voxel_mm"_a, released, "One point per occupied cell: their centroid.");
@@ -347,13 +375,16 @@ void bind_geometry_room(nb::module_& m) {
       "subdivide"_a, "use_vertices"_a, "Unit directions: vertices (12, 42, 162, ...) or face centres (20, 80, ...).");
 
   nb::class_<Plane> plane(m, "Plane", "{ p : normal . p + offset_mm = 0 }, turned towards the camera.");
-  plane.def_ro("normal", &Plane::normal).def_ro("offset_mm", &Plane::offset_mm);
+  plane.def_ro("normal", &Plane::normal, "Unit normal.")
+      .def_ro("offset_mm", &Plane::offset_mm, "Of the equation above.");
   plane.def("signed_distance_mm", &Plane::signed_distance_mm, "point_mm"_a, "Positive on the camera's side.");
   bind_repr(plane, {"normal", "offset_mm"});
   nb::class_<PlaneFit> fit(m, "PlaneFit", "A plane and the points on it.");
-  fit.def_ro("plane", &PlaneFit::plane).def_ro("rms_mm", &PlaneFit::rms_mm);
+  fit.def_ro("plane", &PlaneFit::plane, "The plane found.")
+      .def_ro("rms_mm", &PlaneFit::rms_mm, "Of the inliers' distances.");
   fit.def_prop_ro(
-      "inliers", [](const PlaneFit& self) { return array_of(self.inliers); }, nb::rv_policy::move);
+      "inliers", [](const PlaneFit& self) { return array_of(self.inliers); }, nb::rv_policy::move,
+      "Indices of points.");
   bind_repr(fit, {"plane", "inliers", "rms_mm"});
   m.def(
       "fit_plane",
@@ -419,9 +450,10 @@ void bind_geometry_room(nb::module_& m) {
 
   nb::class_<ConvexHull> hull(m, "ConvexHull", "A convex hull as triangles, counter-clockwise seen from outside.");
   hull.def_prop_ro(
-          "vertices", [](const ConvexHull& self) { return rows_of(self.vertices); }, nb::rv_policy::move)
+          "vertices", [](const ConvexHull& self) { return rows_of(self.vertices); }, nb::rv_policy::move, "N x 3, mm.")
       .def_prop_ro(
-          "original", [](const ConvexHull& self) { return array_of(self.original); }, nb::rv_policy::move)
+          "original", [](const ConvexHull& self) { return array_of(self.original); }, nb::rv_policy::move,
+          "Which of the given points each vertex is.")
       .def_prop_ro(
           "triangles",
           [](const ConvexHull& self) {
@@ -429,10 +461,10 @@ void bind_geometry_room(nb::module_& m) {
             for (const auto& t : self.triangles) rows.emplace_back(t[0], t[1], t[2]);
             return rows_of(std::move(rows));
           },
-          nb::rv_policy::move)
-      .def_ro("flat", &ConvexHull::flat)
-      .def("volume_mm3", &ConvexHull::volume_mm3)
-      .def("centroid", &ConvexHull::centroid);
+          nb::rv_policy::move, "M x 3 indices of vertices.")
+      .def_ro("flat", &ConvexHull::flat, "All points lie on a plane, a line or a point: there are no triangles.")
+      .def("volume_mm3", &ConvexHull::volume_mm3, "The enclosed volume.")
+      .def("centroid", &ConvexHull::centroid, "Of the enclosed volume.");
   bind_repr(hull, {"vertices", "triangles", "flat"});
   m.def(
       "convex_hull", [](const Points& points) { return convex_hull(points.span()); }, "points_mm"_a,
@@ -459,26 +491,28 @@ void bind_geometry_room(nb::module_& m) {
             return axes;
           },
           "Axes (direction, a point on it in mm) about which it may be turned by any angle.")
-      .def("empty", &Symmetries::empty);
+      .def("empty", &Symmetries::empty, "Whether there are none.");
   bind_repr(symmetries, {"discrete", "continuous"});
   m.def("symmetry_transformations", &symmetry_transformations, "symmetries"_a, "max_step"_a = 0.01,
         "A finite list of model_from_model, the identity first, as the BOP toolkit enumerates them.");
   nb::class_<MeasuredSymmetries> measured(m, "MeasuredSymmetries", "Symmetries and how exact each is.");
-  measured.def_ro("symmetries", &MeasuredSymmetries::symmetries)
-      .def_ro("discrete_deviation_mm", &MeasuredSymmetries::discrete_deviation_mm)
-      .def_ro("continuous_deviation_mm", &MeasuredSymmetries::continuous_deviation_mm)
-      .def("largest_deviation_mm", &MeasuredSymmetries::largest_deviation_mm);
+  measured.def_ro("symmetries", &MeasuredSymmetries::symmetries, "The symmetries themselves.")
+      .def_ro("discrete_deviation_mm", &MeasuredSymmetries::discrete_deviation_mm, "Of each of symmetries.discrete.")
+      .def_ro("continuous_deviation_mm", &MeasuredSymmetries::continuous_deviation_mm,
+              "Of each of symmetries.continuous.")
+      .def("largest_deviation_mm", &MeasuredSymmetries::largest_deviation_mm, "The largest of all.");
   bind_repr(measured, {"symmetries", "discrete_deviation_mm", "continuous_deviation_mm"});
   nb::class_<SymmetrySearch> search(m, "SymmetrySearch", "What search_symmetries found.");
   search.def_ro("found", &SymmetrySearch::found, "Within the tolerance.")
       .def_ro("near", &SymmetrySearch::near, "But for a detail.")
-      .def_ro("tolerance_mm", &SymmetrySearch::tolerance_mm)
-      .def_ro("diameter_mm", &SymmetrySearch::diameter_mm);
+      .def_ro("tolerance_mm", &SymmetrySearch::tolerance_mm, "Within which a symmetry counts as found.")
+      .def_ro("diameter_mm", &SymmetrySearch::diameter_mm, "The largest distance of two vertices.");
   bind_repr(search, {"found", "near", "tolerance_mm", "diameter_mm"});
   m.def("search_symmetries", &search_symmetries, "mesh"_a, "tolerance_mm"_a = nb::none(), released,
         "The rotations that put a part's surface back onto itself within a tolerance (None: by its size).");
   m.def("find_symmetries", &find_symmetries, "mesh"_a, "tolerance_mm"_a, released, "Those within the tolerance.");
-  m.def("default_symmetry_tolerance_mm", &default_symmetry_tolerance_mm, "diameter_mm"_a);
+  m.def("default_symmetry_tolerance_mm", &default_symmetry_tolerance_mm, "diameter_mm"_a,
+        "What search_symmetries takes by a part's size.");
 
   nb::class_<DistanceGrid>(m, "DistanceGrid", "Distance to the nearest of some points, tabulated.")
       .def(
@@ -492,7 +526,7 @@ void bind_geometry_room(nb::module_& m) {
           },
           "points_mm"_a, "margin_mm"_a, "cells_along_longest"_a = 48)
       .def("at", &DistanceGrid::at, "p"_a, "In mm, right to about half a cell.")
-      .def("cell_mm", &DistanceGrid::cell_mm);
+      .def("cell_mm", &DistanceGrid::cell_mm, "Edge of a cell.");
 }
 
 }  // namespace
@@ -576,6 +610,7 @@ void bind_core(nb::module_& parent) {
   bind_core_room(core);
   auto geometry = room(parent, "geometry", "Neighbours, voxel grid, normals, planes, hulls, symmetries.");
   bind_geometry_room(geometry);
+  bind_inspection(geometry);
 }
 
 }  // namespace partpose::python

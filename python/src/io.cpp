@@ -5,7 +5,9 @@
 
 #include "partpose/io/camera_json.hpp"
 #include "partpose/io/cloud.hpp"
+#include "partpose/io/mesh_files.hpp"
 #include "partpose/io/model_files.hpp"
+#include "partpose/io/off.hpp"
 #include "partpose/io/pcd.hpp"
 #include "partpose/io/ply.hpp"
 #include "partpose/io/png.hpp"
@@ -46,6 +48,48 @@ void bind_io(nb::module_& parent) {
   m.def("write_pcd", &write_pcd, "path"_a, "cloud"_a, "encoding"_a = PcdEncoding::binary_compressed, released,
         "PCD 0.7 in mm.");
   m.def("read_cloud", &read_cloud, "path"_a, released, "A point cloud file in mm, by its extension.");
+  m.def("read_off", &read_off, "path"_a, released, "The mesh of an OFF file in mm.");
+  m.def("content_hash", &content_hash, "mesh"_a, "Tells whether a mesh changed.");
+
+  bind_described<MeshReadOptions>(m, "MeshReadOptions", "How CAD files are made triangles, and what a part is.");
+  nb::class_<NamedMesh> named(m, "NamedMesh", "A part: its mesh in mm, in the file's own frame.");
+  named
+      .def(
+          "__init__",
+          [](NamedMesh* self, std::string name, const TriangleMesh& mesh, const std::filesystem::path& file,
+             std::string unit) {
+            new (self) NamedMesh{std::move(name), mesh, file, std::move(unit)};
+          },
+          "name"_a, "mesh"_a, "file"_a = std::filesystem::path(), "unit"_a = "")
+      .def_ro("name", &NamedMesh::name, "The file's without its ending; of several parts in a file, the part's own.")
+      .def_prop_ro(
+          "mesh", [](const NamedMesh& self) { return &self.mesh; }, nb::rv_policy::reference_internal, "In mm.")
+      .def_ro("file", &NamedMesh::file, "Where it was read.")
+      .def_ro("unit", &NamedMesh::unit, "As the file states it; empty when it does not.");
+  bind_repr(named, {"name", "mesh", "file", "unit"});
+  m.def(
+      "read_meshes",
+      [](const std::vector<std::filesystem::path>& paths, const MeshReadOptions& options,
+         const std::optional<nb::callable>& broken) {
+        options.check();
+        BrokenMeshFile told;
+        if (broken)
+          told = [&](const std::filesystem::path& file, const std::string& message) {
+            nb::gil_scoped_acquire gil;
+            (*broken)(file, message);
+          };
+        nb::gil_scoped_release release;
+        return read_meshes(paths, options, told);
+      },
+      "paths"_a, "options"_a = MeshReadOptions{}, "broken"_a = nb::none(),
+      nb::sig("def read_meshes(paths: collections.abc.Sequence[str | os.PathLike], options: MeshReadOptions = ..., "
+              "broken: collections.abc.Callable[[pathlib.Path, str], object] | None = None) -> list[NamedMesh]"),
+      "The parts of files or folders. With `broken`, files that cannot be read are told there and left out.");
+  m.def("read_mesh_file", &read_mesh_file, "file"_a, "options"_a = MeshReadOptions{}, released,
+        "The parts of one file, of any of mesh_file_endings().");
+  m.def("mesh_file_endings", &mesh_file_endings, "The endings of the files that read_meshes knows.");
+  m.def("reads_step", &reads_step, "Whether this build reads STEP (by OpenCASCADE).");
+  m.def("reads_assimp_formats", &reads_assimp_formats, "Whether this build reads OBJ, 3MF and glTF (by Assimp).");
   m.def("model_files", &model_files, "file_or_folder"_a, "The file itself, or a folder's model files by name.");
 
   m.def("read_depth_png", &read_depth_png, "path"_a, "depth_scale_mm"_a, released, "A 16-bit greyscale PNG.");
@@ -71,9 +115,10 @@ void bind_io(nb::module_& parent) {
       "path"_a, "pixels"_a, "Height x width x 3, 8-bit RGB.");
 
   bind_described<CameraFile>(m, "CameraFile", "What a camera JSON says.")
-      .def_prop_ro("intrinsics", [](const CameraFile& self) { return self.intrinsics; });
-  m.def("read_camera", &read_camera, "path"_a);
-  m.def("write_camera", &write_camera, "path"_a, "camera"_a);
+      .def_prop_ro(
+          "intrinsics", [](const CameraFile& self) { return self.intrinsics; }, "Without the scale.");
+  m.def("read_camera", &read_camera, "path"_a, "A camera JSON.");
+  m.def("write_camera", &write_camera, "path"_a, "camera"_a, "A camera JSON.");
   m.def("camera_file_of", &camera_file_of, "depth_image"_a,
         "The camera of NAME.png: NAME.camera.json beside it, or else camera.json in its folder.");
 
@@ -94,12 +139,13 @@ void bind_io(nb::module_& parent) {
             new (self) Scene{{}, to_point_cloud(depth, camera), depth, camera};
           },
           "depth"_a, "intrinsics"_a)
-      .def_ro("path", &Scene::path)
-      .def_ro("cloud", &Scene::cloud)
+      .def_ro("path", &Scene::path, "The file it was read from; empty for data in memory.")
+      .def_ro("cloud", &Scene::cloud, "The points; of a depth image, those of its pixels.")
       .def_prop_ro(
           "depth", [](const Scene& self) { return self.depth ? &*self.depth : nullptr; },
-          nb::sig("def depth(self) -> partpose.core.DepthImage | None"), nb::rv_policy::reference_internal)
-      .def_ro("intrinsics", &Scene::intrinsics);
+          nb::sig("def depth(self) -> partpose.core.DepthImage | None"), nb::rv_policy::reference_internal,
+          "None for a cloud.")
+      .def_ro("intrinsics", &Scene::intrinsics, "Of a depth image; None otherwise.");
   bind_repr(scene, {"path", "cloud", "depth", "intrinsics"});
   m.def(
       "read_scene",

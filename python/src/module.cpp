@@ -25,6 +25,9 @@ NB_MODULE(_partpose, module) {
   bind_io(module);
   bind_stages(module);
   bind_pipeline(module);
+  bind_engine(module);
   bind_synthesis(module);
   bind_evaluation(module);
+  bind_bop(module);
+  bind_report(module);
 }

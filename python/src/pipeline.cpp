@@ -5,7 +5,6 @@
 #include "rooms.hpp"
 
 #include "partpose/dataset/dataset.hpp"
-#include "partpose/io/model_files.hpp"
 #include "partpose/pipeline/catalogue_cache.hpp"
 #include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/global_pipeline.hpp"
@@ -30,19 +29,21 @@ void bind_dataset(nb::module_& m) {
   bind_described<ModelList>(m, "ModelList", "Appendix C.1.2: the parts' STL files.");
   bind_described<ModelSymmetries::Continuous>(m, "ContinuousSymmetry", "An axis about which a part may be turned.");
   bind_described<ModelSymmetries>(m, "ModelSymmetries", "A part's symmetries with the keys of BOP's models_info.json.")
-      .def("symmetries", &ModelSymmetries::symmetries);
+      .def("symmetries", &ModelSymmetries::symmetries, "The same as Symmetries.");
   bind_described<ModelInfo>(m, "ModelInfo", "A model's entry of models_info.json.");
   m.def("read_models_info", &read_models_info, "path"_a, "By the model's number or name.");
   bind_described<DatasetModel>(m, "DatasetModel", "A part of a dataset.")
-      .def_prop_ro("symmetries", [](const DatasetModel& self) { return self.symmetries.symmetries(); });
+      .def_prop_ro(
+          "symmetries", [](const DatasetModel& self) { return self.symmetries.symmetries(); },
+          "As the dataset states them.");
   bind_described<DatasetView>(m, "DatasetView", "A camera of a dataset.");
   bind_described<DatasetOut>(m, "DatasetOut", "Appendix C.1.3: the dataset's dataset.json.");
   nb::class_<Dataset> dataset(m, "Dataset", "The folder of appendix C.1.4.");
-  dataset.def_ro("folder", &Dataset::folder)
-      .def_ro("out", &Dataset::out)
-      .def("model_folder", &Dataset::model_folder, "model_id"_a)
-      .def("mesh_path", &Dataset::mesh_path, "model_id"_a)
-      .def("view_path", &Dataset::view_path, "model_id"_a, "view_id"_a)
+  dataset.def_ro("folder", &Dataset::folder, "Where it is.")
+      .def_ro("out", &Dataset::out, "What dataset.json says.")
+      .def("model_folder", &Dataset::model_folder, "model_id"_a, "The folder of a model.")
+      .def("mesh_path", &Dataset::mesh_path, "model_id"_a, "The mesh of a model.")
+      .def("view_path", &Dataset::view_path, "model_id"_a, "view_id"_a, "The cloud of a model's view.")
       .def(
           "camera_from_model",
           [](const Dataset& self, std::size_t model, std::size_t view) {
@@ -50,7 +51,7 @@ void bind_dataset(nb::module_& m) {
               throw Error("the dataset has {} models and {} views", self.out.models.size(), self.out.views.size());
             return self.camera_from_model(model, view);
           },
-          "model_index"_a, "view_index"_a);
+          "model_index"_a, "view_index"_a, "The pose of a model in a view.");
   dataset.attr("__repr__") = nb::cpp_function(
       [](const Dataset& self) {
         return fmt::format("Dataset('{}', {} models, {} views)", self.folder.string(), self.out.models.size(),
@@ -85,14 +86,14 @@ void bind_records(nb::module_& m) {
 
 void bind_catalogue(nb::module_& m) {
   nb::class_<CataloguePart> part(m, "CataloguePart", "A part of a catalogue.");
-  part.def_ro("id", &CataloguePart::id)
-      .def_ro("name", &CataloguePart::name)
+  part.def_ro("id", &CataloguePart::id, "Its number in the dataset.")
+      .def_ro("name", &CataloguePart::name, "As its file or its CAD product is called.")
       .def_ro("T1", &CataloguePart::T1, "centred_from_model")
       .def_ro("mesh", &CataloguePart::mesh, "Model frame.")
       .def_ro("surface", &CataloguePart::surface, "All views fused, model frame, with normals.");
   bind_repr(part, {"id", "name"});
   nb::class_<Catalogue> catalogue(m, "Catalogue", "Everything that the online stage needs to know of the parts.");
-  catalogue.def_ro("dataset", &Catalogue::dataset)
+  catalogue.def_ro("dataset", &Catalogue::dataset, "The dataset that it was made of.")
       .def_prop_ro(
           "parts",
           [](nb::handle self) {
@@ -101,9 +102,10 @@ void bind_catalogue(nb::module_& m) {
               parts.append(nb::cast(&each, nb::rv_policy::reference_internal, self));
             return parts;
           },
-          nb::sig("def parts(self) -> list[CataloguePart]"))
-      .def_ro("index", &Catalogue::index)
-      .def_prop_ro("view_count", [](const Catalogue& self) { return self.views.size(); });
+          nb::sig("def parts(self) -> list[CataloguePart]"), "In the order of their numbers.")
+      .def_ro("index", &Catalogue::index, "The descriptors of all views.")
+      .def_prop_ro(
+          "view_count", [](const Catalogue& self) { return self.views.size(); }, "Of all parts together.");
   catalogue.attr("__repr__") = nb::cpp_function(
       [](const Catalogue& self) {
         return fmt::format("Catalogue({} parts, {} views, {} descriptors)", self.parts.size(), self.views.size(),
@@ -121,7 +123,7 @@ void bind_catalogue(nb::module_& m) {
         "The same catalogue without one of its parts.");
   m.def("comparable_view", &comparable_view, "view"_a, "config"_a, released,
         "Points and normals of a dataset's view as a scene of it would have them.");
-  m.def("default_cache_folder", &default_cache_folder);
+  m.def("default_cache_folder", &default_cache_folder, "$XDG_CACHE_HOME/partpose, or else ~/.cache/partpose.");
   m.def(
       "cached_catalogue",
       [](const std::vector<fs::path>& paths, const DatasetPreparationConfig& dataset,
@@ -138,6 +140,66 @@ nb::object part_of(const Recognized& self) {
   if (self.recognition.accepted < 0) return nb::none();
   return nb::cast(self.recognition.result.model_name);
 }
+
+using Covariance = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+
+void bind_detections(nb::module_& m) {
+  nb::class_<NamedAlternative> alternative(m, "Alternative", "Another part or pose that explains an object too.");
+  alternative.def_ro("part", &NamedAlternative::part, "Its name.")
+      .def_prop_ro(
+          "camera_from_model", [](const NamedAlternative& self) { return self.alternative.camera_from_model; },
+          "Its pose.")
+      .def_prop_ro(
+          "probability", [](const NamedAlternative& self) { return self.alternative.probability; }, "0 to 1.");
+  bind_repr(alternative, {"part", "probability", "camera_from_model"});
+
+  nb::class_<NamedDetection> detection(m, "Detection", "A part found in a frame.");
+  detection.def_ro("part", &NamedDetection::part, "Its name.")
+      .def_prop_ro(
+          "camera_from_model", [](const NamedDetection& self) { return self.detection.camera_from_model; },
+          "The pose, mm.")
+      .def_prop_ro(
+          "score", [](const NamedDetection& self) { return self.detection.score; }, "0 to 1.")
+      .def_prop_ro(
+          "confidence",
+          [](const NamedDetection& self) -> std::optional<double> {
+            if (!self.has_confidence) return {};
+            return self.detection.confidence;
+          },
+          "Probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1. None: this "
+          "recognizer states none.")
+      .def_prop_ro(
+          "covariance",
+          [](const NamedDetection& self) -> std::optional<Covariance> {
+            if (!self.has_confidence) return {};
+            return Covariance(self.detection.covariance);
+          },
+          nb::sig("def covariance(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], dict(shape=(6, 6))] | "
+                  "None"),
+          "6 x 6, of a small rotation vector [rad] and translation [mm] of the part, about its box's middle, in the "
+          "camera's axes. None: this recognizer states none.")
+      .def_ro("alternatives", &NamedDetection::alternatives,
+              "Likeliest first; poses that are the same by symmetry are not listed.");
+  detection.attr("__repr__") = nb::cpp_function(
+      [](const NamedDetection& self) {
+        const Eigen::Vector3d t = self.detection.camera_from_model.translation();
+        return fmt::format("Detection({} at ({:.1f}, {:.1f}, {:.1f}) mm, score {:.3f}{}; {} alternatives)", self.part,
+                           t.x(), t.y(), t.z(), self.detection.score,
+                           self.has_confidence ? fmt::format(", confidence {:.3f}", self.detection.confidence) : "",
+                           self.alternatives.size());
+      },
+      nb::name("__repr__"), nb::scope(detection), nb::is_method());
+}
+
+/// With the description that makes it a Python class like all other options.
+struct DescribedRecognizerOptions : RecognizerOptions {
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("min_score", self.min_score, "a candidate whose render-and-compare score is lower is not believed, 0 to 1");
+    visit("shortlist_views", self.shortlist_views, "views that go on from the matching, >= 1");
+    visit("rolls", self.rolls, "turns about the line of sight that each is tried at, >= 1");
+  }
+};
 
 void bind_recognition(nb::module_& m) {
   nb::class_<Recognized> recognition(m, "Recognition",
@@ -162,6 +224,21 @@ void bind_recognition(nb::module_& m) {
           },
           "0 to 1, of the best candidate, accepted or not; -1: there was none.")
       .def_prop_ro(
+          "confidence",
+          [](const Recognized& self) -> std::optional<double> {
+            if (!self.best() || !self.best()->has_confidence) return {};
+            return self.best()->detection.confidence;
+          },
+          "Probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1. None: nothing "
+          "was recognized, or this recognizer states none.")
+      .def_prop_ro(
+          "alternatives",
+          [](const Recognized& self) {
+            return self.best() ? self.best()->alternatives : std::vector<NamedAlternative>();
+          },
+          "Other parts and poses that explain the object too, likeliest first.")
+      .def_ro("detections", &Recognized::detections, "All objects that were recognized, the result first.")
+      .def_prop_ro(
           "candidates", [](const Recognized& self) { return self.extras.candidate_extras; },
           "In the order of the decision, each with its pose T_final and its verdict.")
       .def_prop_ro(
@@ -169,7 +246,8 @@ void bind_recognition(nb::module_& m) {
       .def_prop_ro(
           "reason", [](const Recognized& self) { return self.recognition.reason; },
           "Why nothing was recognized; empty when something was.")
-      .def_prop_ro("total_ms", [](const Recognized& self) { return self.recognition.total_ms(); })
+      .def_prop_ro(
+          "total_ms", [](const Recognized& self) { return self.recognition.total_ms(); }, "Of all stages.")
       .def_prop_ro(
           "result", [](const Recognized& self) { return self.recognition.result; }, "C.2.2.")
       .def_ro("extras", &Recognized::extras, "C.2.3.")
@@ -192,11 +270,13 @@ void bind_recognition(nb::module_& m) {
           nb::rv_policy::reference_internal, "The scene after the preprocessing, camera frame.")
       .def_prop_ro(
           "with_normals", [](const Recognized& self) { return &self.recognition.with_normals; },
-          nb::rv_policy::reference_internal)
+          nb::rv_policy::reference_internal, "The same with normals.")
       .def_prop_ro(
           "refinement_scene", [](const Recognized& self) { return &self.recognition.refinement_scene; },
-          nb::rv_policy::reference_internal)
-      .def_prop_ro("num_of_points_input", [](const Recognized& self) { return self.recognition.num_of_points_input; });
+          nb::rv_policy::reference_internal, "What the refinement was given.")
+      .def_prop_ro(
+          "num_of_points_input", [](const Recognized& self) { return self.recognition.num_of_points_input; },
+          "Before the preprocessing.");
   recognition.attr("__repr__") = nb::cpp_function(
       [](const Recognized& self) {
         const auto& r = self.recognition;
@@ -204,9 +284,12 @@ void bind_recognition(nb::module_& m) {
           return fmt::format("Recognition(nothing: {}; {} candidates, {:.0f} ms)", r.reason, r.candidates.size(),
                              r.total_ms());
         const Eigen::Vector3d t = r.result.T_final.translation();
-        return fmt::format("Recognition({} at ({:.1f}, {:.1f}, {:.1f}) mm, score {:.3f}; {} candidates, {:.0f} ms)",
+        const NamedDetection& best = self.detections.front();
+        return fmt::format("Recognition({} at ({:.1f}, {:.1f}, {:.1f}) mm, score {:.3f}{}; {} candidates, {:.0f} ms{})",
                            r.result.model_name, t.x(), t.y(), t.z(), r.candidates[std::size_t(r.accepted)].score,
-                           r.candidates.size(), r.total_ms());
+                           best.has_confidence ? fmt::format(", confidence {:.3f}", best.detection.confidence) : "",
+                           r.candidates.size(), r.total_ms(),
+                           self.detections.size() > 1 ? fmt::format("; {} objects", self.detections.size()) : "");
       },
       nb::name("__repr__"), nb::scope(recognition), nb::is_method());
 
@@ -245,48 +328,27 @@ void bind_recognition(nb::module_& m) {
           },
           "cloud"_a, released)
       .def("recognize", &recognized, "scene"_a, released)
-      .def_prop_ro("catalogue", &PartRecognizer::catalogue, nb::rv_policy::reference_internal);
+      .def_prop_ro("catalogue", &PartRecognizer::catalogue, nb::rv_policy::reference_internal,
+                   "The parts that it knows.");
 
-  nb::class_<RecognizerOptions> options(m, "RecognizerOptions", "What the Recognizer may be told.");
-  const RecognizerOptions initial;
-  options
-      .def(
-          "__init__",
-          [](RecognizerOptions* self, float min_score, int shortlist_views, int rolls) {
-            RecognizerOptions made;
-            made.min_score = min_score;
-            made.shortlist_views = shortlist_views;
-            made.rolls = rolls;
-            made.check();
-            new (self) RecognizerOptions(made);
-          },
-          nb::kw_only(), "min_score"_a.sig("0.72") = initial.min_score, "shortlist_views"_a = initial.shortlist_views,
-          "rolls"_a = initial.rolls)
-      .def_ro("min_score", &RecognizerOptions::min_score, "Lower render-and-compare scores are not believed, 0 to 1.")
-      .def_ro("shortlist_views", &RecognizerOptions::shortlist_views, "Views that go on from the matching.")
-      .def_ro("rolls", &RecognizerOptions::rolls, "Turns about the line of sight that each is tried at.");
-  bind_repr(options, {"min_score", "shortlist_views", "rolls"});
+  bind_described<DescribedRecognizerOptions>(m, "RecognizerOptions", "What the Recognizer may be told.");
 
   nb::class_<Recognizer, PartRecognizer>(m, "Recognizer", "The pipeline without a configuration.")
-      .def(nb::init<Catalogue, RecognizerOptions>(), "catalogue"_a, "options"_a = RecognizerOptions{}, released)
+      .def(nb::init<Catalogue, DescribedRecognizerOptions>(), "catalogue"_a, "options"_a = DescribedRecognizerOptions{},
+           released)
       .def_static(
           "from_files",
-          [](const std::vector<fs::path>& files_or_folders, const RecognizerOptions& options,
+          [](const std::vector<fs::path>& files_or_folders, const DescribedRecognizerOptions& options,
              const std::optional<fs::path>& cache_folder, const Callback& progress) {
-            std::vector<fs::path> paths;
-            for (const auto& path : files_or_folders) {
-              const auto found = model_files(path);
-              paths.insert(paths.end(), found.begin(), found.end());
-            }
             const fs::path cache = cache_folder ? *cache_folder : default_cache_folder();
             return interruptible(progress, [&](const Progress& told) {
-              return new Recognizer(
-                  cached_catalogue(paths, DatasetPreparationConfig{}, Recognizer::catalogue_config(), cache, told),
-                  options);
+              return new Recognizer(cached_catalogue(files_or_folders, DatasetPreparationConfig{},
+                                                     Recognizer::catalogue_config(), cache, told),
+                                    options);
             });
           },
-          "paths"_a, "options"_a = RecognizerOptions{}, "cache_folder"_a = nb::none(), "progress"_a = nb::none(),
-          released,
+          "paths"_a, "options"_a = DescribedRecognizerOptions{}, "cache_folder"_a = nb::none(),
+          "progress"_a = nb::none(), released,
           "Of model files, or folders of them. The catalogue is made on first use and kept under the cache folder.")
       .def_static("catalogue_config", &Recognizer::catalogue_config,
                   "The pipeline configuration that its catalogue is to be made with.");
@@ -318,10 +380,10 @@ void bind_outputs(nb::module_& m) {
           "catalogue"_a, "config"_a, "step_notion"_a = nb::none(), released,
           nb::sig("def __init__(self, catalogue: Catalogue, config: GlobalPipelineConfig, step_notion: "
                   "collections.abc.Callable[[str], object] | None = None) -> None"))
-      .def_prop_ro("config", &GlobalPipeline::config, nb::rv_policy::copy);
+      .def_prop_ro("config", &GlobalPipeline::config, nb::rv_policy::copy, "What it was made with.");
   m.def(
       "write_iteration",
-      [](const fs::path& folder, const Recognized& recognition, const PointCloud& scene, const Catalogue& catalogue,
+      [](const fs::path& folder, const Recognized& recognition, const Scene& scene, const Catalogue& catalogue,
          const GlobalPipelineConfig& config) {
         return write_iteration(folder, recognition.recognition, scene, catalogue, config);
       },
@@ -360,9 +422,24 @@ Scene depth_scene(DepthImage depth, const Intrinsics& camera) {
 }
 
 Recognized recognized(const PartRecognizer& recognizer, const Scene& scene) {
-  Recognized out{recognizer.recognize(scene), {}, {}};
-  out.extras = extras_of(out.recognition, recognizer.catalogue());
-  for (const auto& model : recognizer.catalogue().dataset.out.models)
+  Recognized out{recognizer.recognize(scene), {}, {}, {}};
+  const Catalogue& catalogue = recognizer.catalogue();
+  const auto name_of = [&](int part) { return catalogue.parts.at(static_cast<std::size_t>(part)).name; };
+  const Recognition& r = out.recognition;
+  out.extras = extras_of(r, catalogue);
+  for (const Detection& detection : r.detections) {
+    NamedDetection named{name_of(detection.part), detection,
+                         detection.confidence > 0 || !detection.covariance.isZero(0)};
+    for (const auto& each : detection.alternatives) named.alternatives.push_back({name_of(each.part), each});
+    out.detections.push_back(std::move(named));
+  }
+  if (out.detections.empty() && r.accepted >= 0) {
+    Detection only;
+    only.camera_from_model = r.result.T_final;
+    only.score = r.candidates[static_cast<std::size_t>(r.accepted)].score;
+    out.detections.push_back({r.result.model_name, only});
+  }
+  for (const auto& model : catalogue.dataset.out.models)
     if (out.recognition.accepted >= 0 && model.id == out.recognition.result.model_id)
       out.symmetries = model.symmetries.symmetries();
   return out;
@@ -375,6 +452,7 @@ void bind_pipeline(nb::module_& parent) {
   bind_records(pipeline);
   bind_global_pipeline(pipeline);
   bind_catalogue(pipeline);
+  bind_detections(pipeline);
   bind_recognition(pipeline);
   bind_outputs(pipeline);
 }

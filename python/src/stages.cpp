@@ -45,7 +45,7 @@ void bind_camera(nb::module_& m) {
       m, "StereoSensorOptions", "What a stereo depth camera does to the ideal depth; the defaults resemble a D415.");
   bind_described<NoiseOptions>(m, "NoiseOptions", "What is added to the depth.");
   bind_described<VirtualDepthCameraOptions>(m, "VirtualDepthCameraOptions", "The camera that takes the views.")
-      .def("intrinsics", &VirtualDepthCameraOptions::intrinsics);
+      .def("intrinsics", &VirtualDepthCameraOptions::intrinsics, "Of that field of view and resolution.");
 
   m.def(
       "render",
@@ -98,7 +98,8 @@ void bind_preprocess(nb::module_& m) {
   bind_described<PreprocessOptions>(m, "PreprocessOptions", "The steps run in the order of the keys.");
   bind_described<NormalEstimationOptions>(m, "NormalEstimationOptions", "Normals of the scene.");
   nb::class_<PreprocessedScene> scene(m, "PreprocessedScene", "What is left of a scene.");
-  scene.def_ro("cloud", &PreprocessedScene::cloud).def_ro("plane", &PreprocessedScene::plane);
+  scene.def_ro("cloud", &PreprocessedScene::cloud, "What is left.")
+      .def_ro("plane", &PreprocessedScene::plane, "The plane that was removed; None: none was.");
   bind_repr(scene, {"cloud", "plane"});
   m.def(
       "preprocess",
@@ -107,11 +108,12 @@ void bind_preprocess(nb::module_& m) {
         return preprocess(cloud, options);
       },
       "scene"_a, "options"_a, released, "Points that are not finite are dropped first.");
-  m.def("scaled", &scaled, "cloud"_a, "factor"_a);
+  m.def("scaled", &scaled, "cloud"_a, "factor"_a, "All points times a factor.");
   m.def("cropped", &cropped, "cloud"_a, "xyz_limits_mm"_a, "x min, x max, y min, y max, z min, z max.");
-  m.def("without_radius_outliers", &without_radius_outliers, "cloud"_a, "radius_mm"_a, "min_points"_a, released);
+  m.def("without_radius_outliers", &without_radius_outliers, "cloud"_a, "radius_mm"_a, "min_points"_a, released,
+        "Without points that have fewer than `min_points` others within the radius.");
   m.def("without_statistical_outliers", &without_statistical_outliers, "cloud"_a, "neighbours"_a, "deviations"_a,
-        released);
+        released, "Without points whose mean distance to their neighbours is far above the cloud's.");
   m.def(
       "with_normals",
       [](const PointCloud& cloud, const NormalEstimationOptions& options) {
@@ -160,13 +162,14 @@ void bind_descriptor(nb::module_& m) {
       .def_prop_ro(
           "histogram", [](nb::handle self) { return view_of(nb::cast<const Description&>(self).histogram, self); },
           nb::sig("def histogram(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None,))]"))
-      .def_ro("centroid_mm", &Description::centroid_mm)
-      .def_ro("support", &Description::support)
-      .def_ro("valid", &Description::valid)
-      .def_ro("camera_from_reference", &Description::camera_from_reference);
+      .def_ro("centroid_mm", &Description::centroid_mm, "Of the points described.")
+      .def_ro("support", &Description::support, "How many points are described.")
+      .def_ro("valid", &Description::valid, "False: nothing can be said of these points.")
+      .def_ro("camera_from_reference", &Description::camera_from_reference,
+              "The descriptor's reference frame; None: it has none.");
   bind_repr(description, {"histogram", "centroid_mm", "support", "valid"});
   nb::class_<GlobalDescriptor>(m, "GlobalDescriptor", "A descriptor of a whole, segmented cloud with normals.")
-      .def("bins", &GlobalDescriptor::bins)
+      .def("bins", &GlobalDescriptor::bins, "The length of its histograms.")
       .def(
           "describe",
           [](const GlobalDescriptor& self, const PointCloud& cloud) {
@@ -198,8 +201,9 @@ void bind_matching(nb::module_& m) {
           },
           "bins"_a)
       .def(
-          "add", [](DescriptorIndex& self, const Floats& histogram) { self.add(histogram.span()); }, "histogram"_a)
-      .def("bins", &DescriptorIndex::bins)
+          "add", [](DescriptorIndex& self, const Floats& histogram) { self.add(histogram.span()); }, "histogram"_a,
+          "A row more.")
+      .def("bins", &DescriptorIndex::bins, "The length of a row.")
       .def("__len__", &DescriptorIndex::size)
       .def(
           "row",
@@ -240,9 +244,9 @@ void bind_registration(nb::module_& m) {
       "view"_a, "scene"_a, "options"_a = CoarseAlignmentOptions{}, released,
       "The transformations that may bring a view onto the scene, at least one.");
   nb::class_<IcpResult> result(m, "IcpResult", "What icp found.");
-  result.def_ro("target_from_source", &IcpResult::target_from_source)
-      .def_ro("converged", &IcpResult::converged)
-      .def_ro("iterations", &IcpResult::iterations)
+  result.def_ro("target_from_source", &IcpResult::target_from_source, "The motion found.")
+      .def_ro("converged", &IcpResult::converged, "Whether the motion got as small as asked for.")
+      .def_ro("iterations", &IcpResult::iterations, "How many were made.")
       .def_ro("pairs", &IcpResult::pairs, "In the last iteration.");
   bind_repr(result, {"target_from_source", "converged", "iterations", "pairs"});
   m.def(
@@ -257,9 +261,9 @@ void bind_registration(nb::module_& m) {
       "source"_a, "target"_a, "options"_a = PoseRefinementOptions{}, released,
       "Registers source to target, both with normals, starting from where the source lies.");
   nb::class_<ProjectiveRefinement> refined(m, "ProjectiveRefinement", "What refine_projectively found.");
-  refined.def_ro("camera_from_model", &ProjectiveRefinement::camera_from_model)
-      .def_ro("pixels", &ProjectiveRefinement::pixels)
-      .def_ro("rms_mm", &ProjectiveRefinement::rms_mm);
+  refined.def_ro("camera_from_model", &ProjectiveRefinement::camera_from_model, "The pose found.")
+      .def_ro("pixels", &ProjectiveRefinement::pixels, "That were compared last.")
+      .def_ro("rms_mm", &ProjectiveRefinement::rms_mm, "Of their distances.");
   bind_repr(refined, {"camera_from_model", "pixels", "rms_mm"});
   m.def(
       "refine_projectively",
@@ -281,11 +285,12 @@ void bind_verification(nb::module_& m) {
   bind_described<HypothesisVerificationOptions>(m, "HypothesisVerificationOptions", "Which candidates are believed.");
   nb::class_<Verification> verification(m, "Verification",
                                         "How well a model at a pose and a scene explain each other.");
-  verification.def_ro("accepted", &Verification::accepted)
-      .def_ro("visible_model_points", &Verification::visible_model_points)
-      .def_ro("unexplained_model_points", &Verification::unexplained_model_points)
-      .def_ro("scene_points", &Verification::scene_points)
-      .def_ro("explained_scene_points", &Verification::explained_scene_points)
+  verification.def_ro("accepted", &Verification::accepted, "Whether the candidate is believed.")
+      .def_ro("visible_model_points", &Verification::visible_model_points, "Of the model, not hidden by itself.")
+      .def_ro("unexplained_model_points", &Verification::unexplained_model_points,
+              "Of them: the scene has nothing there.")
+      .def_ro("scene_points", &Verification::scene_points, "Of the scene.")
+      .def_ro("explained_scene_points", &Verification::explained_scene_points, "Of them: the model is there.")
       .def_ro("reason", &Verification::reason, "Why it was not accepted, empty when it was.");
   bind_repr(verification, {"accepted", "visible_model_points", "unexplained_model_points", "scene_points",
                            "explained_scene_points", "reason"});
@@ -307,7 +312,7 @@ void bind_verification(nb::module_& m) {
       .def_ro("nothing", &RenderComparison::nothing, "Of them: nothing was measured.")
       .def_ro("object", &RenderComparison::object, "Pixels of the object.")
       .def_ro("unexplained", &RenderComparison::unexplained, "Of them: no part is rendered at or beside them.")
-      .def_ro("cost", &RenderComparison::cost)
+      .def_ro("cost", &RenderComparison::cost, "The lower the better.")
       .def_prop_ro("score", &RenderComparison::score, "1: they explain each other; 0: nothing in common.");
   bind_repr(comparison, {"model", "free_space", "hidden", "nothing", "object", "unexplained", "cost", "score"});
   m.def(

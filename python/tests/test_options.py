@@ -21,7 +21,7 @@ from partpose.pipeline import (
 from partpose.preprocess import PreprocessOptions
 
 MODULES = [partpose.camera, partpose.preprocess, partpose.descriptor, partpose.registration, partpose.verification,
-           partpose.dataset, partpose.pipeline, partpose.synthesis, partpose.evaluation, partpose.io]  # fmt: skip
+           partpose.dataset, partpose.pipeline, partpose.engine, partpose.geometry, partpose.synthesis, partpose.evaluation, partpose.io]  # fmt: skip
 DESCRIBED = [c for m in MODULES for c in vars(m).values() if inspect.isclass(c) and "to_dict" in vars(c)]
 
 
@@ -53,6 +53,9 @@ def test_each_field_reads_and_writes_and_survives_copying(cls: type) -> None:
 
 
 def test_unknown_keys_name_the_nearest() -> None:
+    with pytest.raises(partpose.Error, match='did you mean "min_score"?'):
+        partpose.EngineOptions({"min_scor": 0.7})
+    assert partpose.RecognizerOptions({"rolls": 6}, min_score=0.8).to_dict()["rolls"] == 6
     with pytest.raises(partpose.Error, match='unknown key "voxel_sise"; did you mean "voxel_size"?'):
         PreprocessOptions(voxel_sise=2)  # type: ignore[call-arg]
     with pytest.raises(partpose.Error, match="preprocessing.voxel_sise"):

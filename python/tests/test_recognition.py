@@ -223,7 +223,7 @@ def test_solution(tmp_path: Path, root: Path, capsys: pytest.CaptureFixture[str]
     assert frames[0].result.timestamp == frames[0].evaluation.timestamp
     assert len(list((tmp_path / "out").glob("*/evaluation.json"))) == 24
     assert evaluation.run_protocol and pipeline.load_catalogue and pipeline.read_pipeline_config
-    folder = pipeline.write_iteration(tmp_path / "o2", found, view, solution.pipeline.catalogue, solution.pipeline.config)
+    folder = pipeline.write_iteration(tmp_path / "o2", found, io.Scene(view), solution.pipeline.catalogue, solution.pipeline.config)
     assert (folder / "result.json").exists()
 
 

@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 partpose contributors
+# SPDX-License-Identifier: Apache-2.0
+"""docker/Dockerfile is read, not built: what it copies and runs is there, and nothing else installs anything."""
+
+import os
+import re
+from pathlib import Path
+
+
+def instructions(root: Path) -> list[tuple[str, str]]:
+    lines = (root / "docker" / "Dockerfile").read_text().splitlines()
+    return [tuple(line.split(None, 1)) for line in lines if line and not line.startswith("#")]  # type: ignore[misc]
+
+
+def test_what_it_runs_is_there(root: Path) -> None:
+    runs = [argument for name, argument in instructions(root) if name == "RUN"]
+    assert runs == ["script/setup", "script/build"]
+    for script in runs:
+        assert os.access(root / script, os.X_OK), script
+    copied = [argument.split()[0] for name, argument in instructions(root) if name == "COPY"]
+    assert copied == ["script/setup", "."] and all((root / c).exists() for c in copied)
+
+
+def test_setup_needs_nothing_that_comes_later(root: Path) -> None:
+    """It is copied and run by itself, so that its layer stays while the source changes."""
+    setup = (root / "script" / "setup").read_text()
+    assert not re.search(r"\bscript/|source |\.\./", setup.split("set -euo pipefail")[1].split("echo")[0])
+
+
+def test_the_system_is_one_that_setup_knows(root: Path) -> None:
+    first = instructions(root)[0]
+    assert first[0] == "FROM" and first[1].startswith("debian:12") and "Debian 12" in (root / "script" / "setup").read_text()
+    ignored = (root / "docker" / "Dockerfile.dockerignore").read_text().split()
+    assert "build" in ignored and "parts" not in ignored

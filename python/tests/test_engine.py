@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 partpose contributors
+# SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import partpose
+from partpose import engine, io, pipeline, report
+from partpose.core import Error
+
+
+@pytest.fixture(scope="module")
+def small_engine(tmp_path_factory: pytest.TempPathFactory) -> partpose.Engine:
+    files = [ROOT / "parts" / f"{name}.stl" for name in ("bracket", "flange")]
+    return partpose.Engine.from_files(files, cache_folder=tmp_path_factory.mktemp("cache"))
+
+
+def test_the_engine_recognizes(
+    small_engine: partpose.Engine, recognizer: partpose.Recognizer, bracket_scene: io.Scene
+) -> None:
+    assert isinstance(small_engine, pipeline.PartRecognizer) and small_engine.catalogue.parts[0].name == "bracket"
+    assert bracket_scene.depth is not None and bracket_scene.intrinsics is not None
+    found = small_engine.recognize(bracket_scene.depth.z_mm, bracket_scene.intrinsics)
+    other = recognizer.recognize(bracket_scene)
+    assert found and found.part == other.part == "bracket" and found.score > 0.8
+    assert found.camera_from_model is not None and other.camera_from_model is not None
+    assert partpose.core.translation_error_mm(found.camera_from_model, other.camera_from_model) < 5
+
+
+def test_detections(
+    small_engine: partpose.Engine, recognizer: partpose.Recognizer, bracket_scene: io.Scene
+) -> None:
+    for by in (small_engine, recognizer):
+        found = by.recognize(bracket_scene)
+        best = found.detections[0]
+        assert isinstance(best, partpose.Detection) and isinstance(best, pipeline.Detection)
+        assert best.part == found.part and best.score == found.score
+        assert np.array_equal(best.camera_from_model, found.camera_from_model)
+        assert best.confidence == found.confidence and "bracket" in repr(best) and "bracket" in repr(found)
+        if best.confidence is None:
+            assert best.covariance is None
+        else:
+            assert 0 < best.confidence <= 1 and best.covariance is not None and best.covariance.shape == (6, 6)
+            assert np.allclose(best.covariance, best.covariance.T) and f"{best.confidence:.3f}" in repr(found)
+        assert len(found.alternatives) == len(best.alternatives)
+        for other in found.alternatives:
+            assert isinstance(other, pipeline.Alternative) and other.part in ("bracket", "flange")
+            assert 0 <= other.probability <= 1 and other.camera_from_model.shape == (4, 4)
+    # The Recognizer states no confidence, and says so.
+    assert recognizer.recognize(bracket_scene).confidence is None
+
+
+def test_nothing_has_no_detections(small_engine: partpose.Engine, bracket_scene: io.Scene) -> None:
+    camera = bracket_scene.intrinsics
+    assert camera is not None
+    empty = small_engine.recognize(np.zeros((480, 640), np.uint16), camera)
+    assert not empty and empty.detections == [] and empty.alternatives == [] and empty.confidence is None
+
+
+def test_engine_options(small_engine: partpose.Engine, bracket_scene: io.Scene) -> None:
+    strict = engine.EngineOptions(min_score=1)
+    assert strict.min_score == 1 and 0 < partpose.EngineOptions().min_score < 1 and "min_score" in repr(strict)
+    with pytest.raises(Error, match="min_score"):
+        engine.EngineOptions(min_score=2)
+    found = engine.Engine(small_engine.catalogue, strict).recognize(bracket_scene)
+    assert not found and found.reason and found.confidence is None
+    with pytest.raises(Error, match="nowhere"):
+        engine.Engine.from_files(["nowhere"])
+
+
+def test_reports(tmp_path: Path, recognizer: partpose.Recognizer, bracket_scene: io.Scene) -> None:
+    config = pipeline.GlobalPipelineConfig()
+    found = recognizer.recognize(bracket_scene)
+    pipeline.write_iteration(tmp_path / "out", found, bracket_scene, recognizer.catalogue, config)
+    summary = report.write_report(tmp_path / "out", tmp_path / "report.html", title="one frame")
+    assert isinstance(summary, report.ReportSummary) and summary.frames == 1 and not summary.thinned
+    assert summary.bytes == (tmp_path / "report.html").stat().st_size and summary.problems == []
+    report.write_report(tmp_path / "out", tmp_path / "other.html", title="another title")
+    assert (tmp_path / "other.html").read_bytes() != (tmp_path / "report.html").read_bytes()
+    with pytest.raises(Error, match="empty"):
+        (tmp_path / "empty").mkdir()
+        report.write_report(tmp_path / "empty", tmp_path / "r.html")
