@@ -18,10 +18,11 @@ namespace {
 
 struct ExperimentArguments {
   std::filesystem::path spec, output;
+  int most_frames = 0;
 };
 
 void run(const ExperimentArguments& arguments, const Common& common) {
-  const auto records = run_experiment(arguments.spec, arguments.output, terminal_progress(common.quiet));
+  const auto records = run_experiment(arguments.spec, arguments.output, terminal_progress(common.quiet), arguments.most_frames);
   const auto spec = read_json<ExperimentSpec>(arguments.output / "experiment.json");
   fmt::print("{:<60} {:>6} {:>9} {:>11} {:>11} {:>12} {:>12} {:>10}\n", "run", "frames", "correct %", "incorrect %",
              "no result %", "pose right %", "seen right %", "median ms");
@@ -49,6 +50,10 @@ void add_experiment_command(CLI::App& app, const Common& common) {
       ->add_option("-o,--output", arguments->output,
                    "Folder for frames and tables; when the experiment was stopped in it, it goes on")
       ->required();
+  experiment
+      ->add_option("--frames", arguments->most_frames,
+                   "At most so many frames of each protocol, spread evenly over it (the file's \"most_frames\")")
+      ->check(CLI::Range(1, 1000000));
   experiment->footer("Example:\n  partpose experiment experiments/ground_truth.json --output results/");
   experiment->callback([arguments, &common] { run(*arguments, common); });
 }

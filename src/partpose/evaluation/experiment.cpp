@@ -9,6 +9,7 @@
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/evaluation/experiment_tables.hpp"
+#include "partpose/evaluation/mesh_catalogue.hpp"
 #include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
@@ -124,7 +125,9 @@ class Experiment {
   Dataset dataset(const PartGroup& group, const std::string& config_file) const;
   /// Where data made of the group's parts and `content` is kept.
   fs::path data_folder(const PartGroup& group, const std::string& content) const;
+  /// As many of the protocol's as are asked for.
   std::vector<TestScene> scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
+  std::vector<TestScene> all_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
   std::vector<TestScene> captured_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
   std::vector<TestScene> drawn_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
   void run(const PartGroup& group, const ExperimentProtocol& protocol, const ExperimentConfiguration& configuration,
@@ -162,6 +165,15 @@ Dataset Experiment::dataset(const PartGroup& group, const std::string& config_fi
 }
 
 std::vector<TestScene> Experiment::scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
+  auto all = all_scenes(group, protocol);
+  const auto most = static_cast<std::size_t>(spec_.most_frames);
+  if (most == 0 || all.size() <= most) return all;
+  std::vector<TestScene> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(std::move(all[i * all.size() / most]));
+  return some;
+}
+
+std::vector<TestScene> Experiment::all_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
   if (protocol.left_out && parts_of(group).size() < 2) return {};  // the catalogue would be empty
   if (!protocol.captured.empty()) return captured_scenes(group, protocol);
   if (!protocol.scenes.empty()) return drawn_scenes(group, protocol);
@@ -214,12 +226,13 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
   if (protocol.left_out && options.scene.parts[1] > 1)
     throw Error("{}: scene.parts: for \"left_out\" a frame must show one part at most, or the others are rightly found",
                 protocol.scenes);
-  const fs::path folder = data_folder(group, fmt::format("{} frames of {}", protocol.frames, to_json(options).dump()));
+  const int frames = spec_.most_frames > 0 ? std::min(protocol.frames, spec_.most_frames) : protocol.frames;
+  const fs::path folder = data_folder(group, fmt::format("{} frames of {}", frames, to_json(options).dump()));
   if (!fs::exists(folder)) {
     std::vector<ScenePart> parts;
     for (const auto& part : parts_of(group)) parts.push_back({part.name, part.mesh});
     fs::create_directories(folder.parent_path());
-    write_scene_dataset(std::move(parts), {}, options, static_cast<std::size_t>(protocol.frames), folder, {},
+    write_scene_dataset(std::move(parts), {}, options, static_cast<std::size_t>(frames), folder, {},
                         progress_);
   }
   const SceneDataset drawn = read_scene_dataset(folder);
@@ -315,14 +328,15 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
     config.global_descriptor = descriptor;
     config.check();
   }
+  const bool meshes_only = configuration.pipeline.empty() && configuration.recognizer == "engine";
+  const Catalogue all = meshes_only ? mesh_catalogue(parts_of(group))
+                                    : load_catalogue(dataset(group, spec_.database), config, progress_);
   const auto make = [&](Catalogue catalogue) -> std::unique_ptr<PartRecognizer> {
-    if (configuration.pipeline.empty() && configuration.recognizer == "engine")
+    if (meshes_only)
       return std::make_unique<Engine>(std::move(catalogue));
     if (configuration.pipeline.empty()) return std::make_unique<Recognizer>(std::move(catalogue));
     return std::make_unique<GlobalPipeline>(std::move(catalogue), config);
   };
-  const Catalogue all = load_catalogue(dataset(group, spec_.database), config, progress_);
-
   const PoseJudge judge(all);
 
   // One recognizer for all scenes, or one without the part for the scenes of each part.
@@ -434,6 +448,7 @@ void ExperimentSpec::check() const {
   check_names(configurations, "configurations");
   if (descriptors.empty()) throw Error("descriptors: give at least one");
   for (const auto& descriptor : descriptors) make_global_descriptor(descriptor, {});
+  if (most_frames < 0) throw Error("most_frames {}: must be 0 or more", most_frames);
   if (!(limit_deg > 0)) throw Error("limit_deg {}: must be positive", limit_deg);
   if (!(limit_mm > 0)) throw Error("limit_mm {}: must be positive", limit_mm);
   if (save_frames != "none" && save_frames != "failures" && save_frames != "all")
@@ -486,8 +501,10 @@ void check_inputs(const fs::path& file, const Json& now) {
 
 }  // namespace
 
-std::vector<FrameRecord> run_experiment(const fs::path& spec_file, const fs::path& output, const Progress& progress) {
-  const ExperimentSpec spec = read_spec(spec_file);
+std::vector<FrameRecord> run_experiment(const fs::path& spec_file, const fs::path& output, const Progress& progress,
+                                        int most_frames) {
+  ExperimentSpec spec = read_spec(spec_file);
+  if (most_frames > 0) spec.most_frames = most_frames;
   const Json inputs = input_hashes(spec);
   const fs::path inputs_file = output / "inputs.json";
   const fs::path own_spec = output / "experiment.json";

@@ -76,6 +76,7 @@ struct ExperimentSpec {
   std::string database;
   std::vector<std::string> descriptors = {"vfh"};
   std::vector<ExperimentConfiguration> configurations = {{"default", ""}};
+  int most_frames = 0;
   double limit_deg = 15;
   double limit_mm = 15;
   std::string save_frames = "failures";
@@ -89,6 +90,8 @@ struct ExperimentSpec {
     visit("database", self.database, "dataset configuration (JSON) of the catalogue's views; empty: the defaults");
     visit("descriptors", self.descriptors, "global descriptors that a configuration is run with, in place of its own");
     visit("configurations", self.configurations, "which pipelines recognize them");
+    visit("most_frames", self.most_frames,
+          "at most so many frames of each protocol, spread evenly over it; 0: all of them");
     visit("limit_deg", self.limit_deg, "a pose is right below this rotation error [deg], > 0");
     visit("limit_mm", self.limit_mm, "a pose is right below this translation error [mm], > 0");
     visit("save_frames", self.save_frames,
@@ -140,8 +143,9 @@ struct FrameRecord {
 /// that was killed goes on where it stopped), frames/ (output folders), datasets/, and the tables of write_tables().
 /// Throws Error when `output` holds finished frames of another experiment, or anything else. The records are in the
 /// order of in_order_of().
+/// `most_frames` above 0 stands in place of the file's.
 std::vector<FrameRecord> run_experiment(const std::filesystem::path& spec_file, const std::filesystem::path& output,
-                                        const Progress& progress = {});
+                                        const Progress& progress = {}, int most_frames = 0);
 
 /// The finished frames of an experiment's folder; a half-written last line is left out. Empty when there is no such
 /// file.
