@@ -10,16 +10,19 @@
 
 namespace partpose {
 
-/// What a part looks like from one side in 16 x 16 cells of a fixed size in mm, seen along the line of sight through
+/// What a part looks like from one side in side x side cells of a fixed size in mm, seen along the line of sight through
 /// the centroid of what is visible: 8-bit depth relative to that centroid. Row by row.
-struct DepthTemplate {
-  static constexpr int side = 16;
+template <int side_cells>
+struct CellDepths {
+  static constexpr int side = side_cells;
   static constexpr int cells = side * side;
   static constexpr std::uint8_t background = 255;
   static constexpr std::uint8_t nearest = 1, middle = 108, farthest = 215;
 
   alignas(32) std::array<std::uint8_t, cells> cell;
 };
+using DepthTemplate = CellDepths<16>;
+using SmallTemplate = CellDepths<8>;  ///< the same with cells twice as wide, for a first look
 
 /// How the cells of templates are sized for parts of about one size.
 struct TemplateScale {
@@ -36,7 +39,11 @@ TemplateScale template_scale(double diameter_mm);
 DepthTemplate make_template(std::span<const Eigen::Vector3f> points_mm, double roll_rad, double point_spacing_mm,
                             const TemplateScale& scale);
 
+/// A cell is the mean of the four that it covers; background where most of them are.
+SmallTemplate halved(const DepthTemplate& full);
+
 /// Sum over the cells of the absolute difference, none counted for more than `cap`.
-int capped_difference(const DepthTemplate& a, const DepthTemplate& b, int cap);
+template <int side>
+int capped_difference(const CellDepths<side>& a, const CellDepths<side>& b, int cap);
 
 }  // namespace partpose

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/io/mesh_files.hpp"
 #include "partpose/pipeline/recognition.hpp"
-#include "partpose/preprocess/segmentation.hpp"
 
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace partpose {
 
@@ -18,13 +20,20 @@ struct EngineOptions {
 
 /// Recognizes parts by their shape alone, within a camera's frame time: the frame's objects are compared as small depth
 /// templates with every view of every part at every turn, the best are put onto the surface by its distance field, and
-/// rendering them decides, by the noise that the frame itself shows (docs/engine.md). Immutable after construction and
-/// thread-safe.
+/// rendering them decides, by the noise that the frame itself shows (docs/engine.md). `recognize` is thread-safe.
 class Engine final : public PartRecognizer {
  public:
-  /// Of the catalogue only the parts' meshes are used, and its views to say from which side a part is seen.
+  /// Of a catalogue only the parts' meshes are used, and its views to say from which side a part is seen.
   explicit Engine(Catalogue catalogue, EngineOptions options = {});
+  /// All that is needed is made of the meshes, in some hundredths of a second for each.
+  explicit Engine(const std::vector<NamedMesh>& parts, EngineOptions options = {});
   ~Engine() override;
+
+  /// One more part; the others are not touched. Throws Error when there is one of that name. Not while another thread
+  /// recognizes.
+  void add(const NamedMesh& part);
+  /// Throws Error when there is no part of that name, or no other. Not while another thread recognizes.
+  void remove(const std::string& name);
 
   /// A full depth frame, or a part of one.
   Recognition recognize(const DepthImage& depth, const Intrinsics& camera) const;
@@ -35,9 +44,15 @@ class Engine final : public PartRecognizer {
 
   const Catalogue& catalogue() const override;
 
+  /// What one part takes in memory beside its mesh.
+  std::size_t memory_bytes(int part) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// A catalogue of meshes alone, each with one view, from the front: what an Engine needs.
+Catalogue mesh_catalogue(const std::vector<NamedMesh>& parts);
 
 }  // namespace partpose

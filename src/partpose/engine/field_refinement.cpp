@@ -7,68 +7,133 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace partpose {
 
 namespace {
 
-using Matrix6f = Eigen::Matrix<float, 6, 6>;
-using Vector6f = Eigen::Matrix<float, 6, 1>;
+constexpr int lanes = Lanes::count;
+
+/// Sums over the points of the products of a row's seven entries: the six derivatives and the distance.
+class RowProducts {
+ public:
+  static constexpr int entries = 7;
+
+  void add(const std::array<Lanes, entries>& row, const Lanes& weight) {
+    int k = 0;
+    for (int a = 0; a < entries; ++a) {
+      Lanes weighted;
+      for (int i = 0; i < lanes; ++i) weighted.value[i] = weight.value[i] * row[a].value[i];
+      for (int b = a; b < entries; ++b, ++k)
+        for (int i = 0; i < lanes; ++i) sums_[k].value[i] += weighted.value[i] * row[b].value[i];
+    }
+  }
+
+  Eigen::Matrix<float, entries, entries> total() const {
+    Eigen::Matrix<float, entries, entries> out;
+    int k = 0;
+    for (int a = 0; a < entries; ++a)
+      for (int b = a; b < entries; ++b, ++k) out(a, b) = out(b, a) = sum(sums_[k]);
+    return out;
+  }
+
+  static float sum(const Lanes& all) {
+    float out = 0;
+    for (const float value : all.value) out += value;
+    return out;
+  }
+
+ private:
+  std::array<Lanes, entries*(entries + 1) / 2> sums_{};
+};
 
 }  // namespace
 
+ProbePoints::ProbePoints(std::span<const Eigen::Vector3f> points_mm) : size_(points_mm.size()) {
+  for (const auto& p : points_mm) centre_mm_ += p.cast<double>();
+  centre_mm_ /= static_cast<double>(std::max<std::size_t>(size_, 1));
+  groups_.resize((size_ + lanes - 1) / lanes, Group{});
+  for (std::size_t i = 0; i < size_; ++i) {
+    Group& group = groups_[i / lanes];
+    const Eigen::Vector3f relative = (points_mm[i].cast<double>() - centre_mm_).cast<float>();
+    group.x_mm.value[i % lanes] = relative.x();
+    group.y_mm.value[i % lanes] = relative.y();
+    group.z_mm.value[i % lanes] = relative.z();
+    group.weight.value[i % lanes] = 1;
+  }
+}
+
 FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry3d& camera_from_model,
-                                std::span<const Eigen::Vector3f> points_mm, const Eigen::Vector3f& centre_mm,
-                                const FieldRefinementOptions& options) {
+                                const ProbePoints& points, const FieldRefinementOptions& options) {
   FieldRefinement out;
   out.camera_from_model = camera_from_model;
+  if (points.size() == 0) return out;
+  const auto cap_mm = static_cast<float>(3 * options.end_scale_mm);
   double scale_mm = options.start_scale_mm;
   for (int iteration = 0; iteration <= options.max_iterations; ++iteration) {
-    const Eigen::Isometry3f model_from_camera = out.camera_from_model.inverse().cast<float>();
-    const Eigen::Matrix3f rotation = out.camera_from_model.linear().cast<float>();
-    const Eigen::Vector3f camera_mm = model_from_camera.translation();
-    Matrix6f hessian = Matrix6f::Zero();
-    Vector6f gradient = Vector6f::Zero();
-    float weight_sum = 0, squared = 0, extent = 0;
-    double capped = 0;
-    const auto inverse_scale = static_cast<float>(1 / scale_mm);
-    const auto cap_mm = static_cast<float>(3 * options.end_scale_mm);
-    for (const auto& p : points_mm) {
-      const Eigen::Vector3f q = model_from_camera * p;
-      const auto nearest = field.nearest(q, camera_mm - q);
-      capped += std::min(nearest.distance_mm, cap_mm);
-      const float share = nearest.distance_mm * inverse_scale;
-      const float root = 1 / (1 + share * share);
-      const float w = root * root;
-      // The distance, as the points move about their centre, grows along this direction.
-      const Eigen::Vector3f direction = rotation * nearest.direction;
-      const Eigen::Vector3f arm = p - centre_mm;
-      Vector6f jacobian;
-      jacobian << arm.cross(direction), direction;
-      const Vector6f weighted = w * jacobian;
-      hessian.noalias() += weighted * jacobian.transpose();
-      gradient.noalias() += nearest.distance_mm * weighted;
-      weight_sum += w;
-      squared += w * nearest.distance_mm * nearest.distance_mm;
-      extent += w * arm.squaredNorm();
+    // In the model frame the surface stands still and the points move about their centre.
+    const Eigen::Isometry3d model_from_camera = out.camera_from_model.inverse();
+    const Eigen::Matrix3f turn = model_from_camera.linear().cast<float>();
+    const Eigen::Vector3f centre = (model_from_camera * points.centre_mm()).cast<float>();
+    const auto per_scale = static_cast<float>(1 / scale_mm);
+    RowProducts products;
+    Lanes capped{}, weights{}, extent{};
+    for (const auto& group : points.groups()) {
+      Lanes arm_x, arm_y, arm_z, x, y, z;
+      for (int i = 0; i < lanes; ++i) {
+        const float px = group.x_mm.value[i], py = group.y_mm.value[i], pz = group.z_mm.value[i];
+        arm_x.value[i] = turn(0, 0) * px + turn(0, 1) * py + turn(0, 2) * pz;
+        arm_y.value[i] = turn(1, 0) * px + turn(1, 1) * py + turn(1, 2) * pz;
+        arm_z.value[i] = turn(2, 0) * px + turn(2, 1) * py + turn(2, 2) * pz;
+        x.value[i] = arm_x.value[i] + centre.x();
+        y.value[i] = arm_y.value[i] + centre.y();
+        z.value[i] = arm_z.value[i] + centre.z();
+      }
+      const auto sample = field.at(x, y, z);
+      std::array<Lanes, RowProducts::entries> row;
+      Lanes weight;
+      for (int i = 0; i < lanes; ++i) {
+        const float distance = sample.distance_mm.value[i];
+        const float gx = sample.gradient_x.value[i], gy = sample.gradient_y.value[i], gz = sample.gradient_z.value[i];
+        const float share = distance * per_scale;
+        const float root = 1 / (1 + share * share);
+        weight.value[i] = group.weight.value[i] * root * root;
+        row[0].value[i] = arm_y.value[i] * gz - arm_z.value[i] * gy;
+        row[1].value[i] = arm_z.value[i] * gx - arm_x.value[i] * gz;
+        row[2].value[i] = arm_x.value[i] * gy - arm_y.value[i] * gx;
+        row[3].value[i] = gx;
+        row[4].value[i] = gy;
+        row[5].value[i] = gz;
+        row[6].value[i] = distance;
+        capped.value[i] += group.weight.value[i] * std::min(std::abs(distance), cap_mm);
+        weights.value[i] += weight.value[i];
+        extent.value[i] += weight.value[i] * (arm_x.value[i] * arm_x.value[i] + arm_y.value[i] * arm_y.value[i] +
+                                              arm_z.value[i] * arm_z.value[i]);
+      }
+      products.add(row, weight);
     }
-    out.mean_capped = capped / (options.end_scale_mm * static_cast<double>(std::max<std::size_t>(points_mm.size(), 1)));
+    out.mean_capped = RowProducts::sum(capped) / (options.end_scale_mm * static_cast<double>(points.size()));
+    const float weight_sum = RowProducts::sum(weights);
     if (!(weight_sum > 0)) break;
-    out.rms_mm = std::sqrt(squared / weight_sum);
+    const auto total = products.total();
+    out.rms_mm = std::sqrt(total(6, 6) / weight_sum);
     if (iteration == options.max_iterations) break;
+
     // What the surface leaves free hardly moves.
-    const float radius = std::sqrt(std::max(extent / weight_sum, 1e-6f));
+    Eigen::Matrix<float, 6, 6> hessian = total.topLeftCorner<6, 6>();
+    const float radius = std::sqrt(std::max(RowProducts::sum(extent) / weight_sum, 1e-6f));
     hessian.diagonal().head<3>().array() += 1e-3f * weight_sum * radius * radius;
     hessian.diagonal().tail<3>().array() += 1e-3f * weight_sum;
-    const Vector6f step = hessian.ldlt().solve(-gradient);
+    const Eigen::Matrix<float, 6, 1> step = hessian.ldlt().solve(-total.col(6).head<6>());
     if (!step.allFinite()) break;
     // The step moves the points onto the surface; the part moves the other way.
-    const Eigen::Vector3d centre = centre_mm.cast<double>();
-    Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-    motion.linear() = rotation_from_vector(-step.head<3>().cast<double>());
-    motion.translation() = centre - step.tail<3>().cast<double>() - motion.linear() * centre;
-    out.camera_from_model = motion * out.camera_from_model;
+    Eigen::Isometry3d points_motion = Eigen::Isometry3d::Identity();
+    points_motion.linear() = rotation_from_vector(step.head<3>().cast<double>());
+    points_motion.translation() =
+        centre.cast<double>() + step.tail<3>().cast<double>() - points_motion.linear() * centre.cast<double>();
+    out.camera_from_model = out.camera_from_model * points_motion.inverse();
     const bool at_end = scale_mm <= options.end_scale_mm;
     if (at_end && step.head<3>().norm() * radius + step.tail<3>().norm() < options.converged_mm) break;
     scale_mm = std::max(options.end_scale_mm, 0.6 * scale_mm);

@@ -7,8 +7,30 @@
 #include <Eigen/Geometry>
 
 #include <span>
+#include <vector>
 
 namespace partpose {
+
+/// Measured points as the refinement reads them: about their centre, eight side by side.
+class ProbePoints {
+ public:
+  ProbePoints() = default;
+  /// Points in the camera frame.
+  explicit ProbePoints(std::span<const Eigen::Vector3f> points_mm);
+
+  struct Group {
+    Lanes x_mm, y_mm, z_mm;  ///< from the centre
+    Lanes weight;            ///< 1; 0 where there is no point
+  };
+  const std::vector<Group>& groups() const { return groups_; }
+  const Eigen::Vector3d& centre_mm() const { return centre_mm_; }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::vector<Group> groups_;
+  Eigen::Vector3d centre_mm_ = Eigen::Vector3d::Zero();
+  std::size_t size_ = 0;
+};
 
 struct FieldRefinementOptions {
   double start_scale_mm = 10;  ///< distances much beyond this do not count, at first
@@ -23,11 +45,10 @@ struct FieldRefinement {
   double mean_capped = 0;  ///< mean of the distances, none counted for more than three end scales, in end scales
 };
 
-/// Moves a part so that measured points (camera frame) lie on its surface: Gauss-Newton on the distances to it
-/// (Fitzgibbon 2003) about the points' centre, with Geman and McClure's weights (1987) whose scale falls from
-/// `start_scale_mm` to `end_scale_mm`. `centre_mm`: about the middle of the points.
+/// Moves a part so that measured points lie on its surface: Gauss-Newton on the distances to it (Fitzgibbon 2003) about
+/// the points' centre, with Geman and McClure's weights (1987) whose scale falls from `start_scale_mm` to
+/// `end_scale_mm`.
 FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry3d& camera_from_model,
-                                std::span<const Eigen::Vector3f> points_mm, const Eigen::Vector3f& centre_mm,
-                                const FieldRefinementOptions& options);
+                                const ProbePoints& points, const FieldRefinementOptions& options);
 
 }  // namespace partpose

@@ -22,9 +22,8 @@ TEST(FieldRefinement, FindsThePoseThatThePointsWereTakenAt) {
     start.linear() = shapes::random_turn(random, radians(6)) * truth.linear();
     start.translation() = centre + start.linear() * truth.linear().transpose() * (truth.translation() - centre);
     start.translation() += 3 * shapes::random_direction(random);
-    const auto refined = refine_on_field(field, start, points.points, centre.cast<float>(),
+    const auto refined = refine_on_field(field, start, ProbePoints(points.points),
                                          {.start_scale_mm = 6, .end_scale_mm = 0.5, .max_iterations = 40});
-    // From points on both sides of thin walls some meet the wrong side.
     EXPECT_LT(rotation_error_deg(refined.camera_from_model, truth), 0.5);
     EXPECT_LT((refined.camera_from_model.inverse() * truth).translation().norm(), 0.5);
   }
@@ -37,18 +36,16 @@ TEST(FieldRefinement, LeavesWhatIsNotDetermined) {
     for (float x = -20; x <= 20; x += 4) face.emplace_back(x, y, 500);
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
   start.translation() = Eigen::Vector3d(4, -3, 507);
-  const auto refined = refine_on_field(field, start, face, {0, 0, 500}, {});
+  const auto refined = refine_on_field(field, start, ProbePoints(face), {});
   EXPECT_NEAR(refined.camera_from_model.translation().z(), 505, 0.05);
-  // Beside the diagonal of a face a node may name the other triangle: some points pull along it, by a part of a cell
-  // (1.7 mm here).
-  EXPECT_NEAR(refined.camera_from_model.translation().x(), 4, 0.6);
-  EXPECT_NEAR(refined.camera_from_model.translation().y(), -3, 0.6);
+  EXPECT_NEAR(refined.camera_from_model.translation().x(), 4, 0.05);
+  EXPECT_NEAR(refined.camera_from_model.translation().y(), -3, 0.05);
   EXPECT_LT(refined.rms_mm, 0.05);
 }
 
 TEST(FieldRefinement, NoPointsMoveNothing) {
   const SurfaceField field(shapes::box(Eigen::Vector3f(80, 80, 10)));
-  const auto refined = refine_on_field(field, Eigen::Isometry3d::Identity(), {}, {0, 0, 0}, {});
+  const auto refined = refine_on_field(field, Eigen::Isometry3d::Identity(), ProbePoints(), {});
   EXPECT_TRUE(refined.camera_from_model.isApprox(Eigen::Isometry3d::Identity()));
 }
 

@@ -4,9 +4,16 @@
 
 #include "partpose/camera/rasterizer.hpp"
 #include "partpose/camera/virtual_depth_camera.hpp"
+#include "partpose/core/pose.hpp"
+#include "partpose/core/random.hpp"
 #include "partpose/descriptor/crh.hpp"
+#include "partpose/engine/field_refinement.hpp"
 #include "partpose/geometry/icosphere.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <meshoptimizer.h>
+
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -17,7 +24,7 @@ namespace {
 constexpr int subdivisions = 2;          // 162 views, some 15 degrees apart
 constexpr double distance_share = 6;     // of the camera from the part's middle, in diameters
 constexpr int pixels_per_diameter = 72;  // 6 for each cell of a template
-constexpr int visible_points = 128;
+constexpr int surface_samples = 512;
 
 Intrinsics view_camera() {
   Intrinsics camera;
@@ -27,45 +34,160 @@ Intrinsics view_camera() {
   return camera;
 }
 
-/// The half turns about the axes of the part's bounding box: where it is nearly symmetric, these mistake it.
-std::vector<Eigen::Isometry3d> half_turns(const TriangleMesh& mesh) {
-  const Eigen::Vector3d centre = bounding_box(mesh).center();
-  std::vector<Eigen::Isometry3d> out;
-  for (int k = 0; k < 3; ++k) {
-    Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
-    turn.linear() = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::Unit(k)).toRotationMatrix();
-    turn.translation() = centre - turn.linear() * centre;
-    out.push_back(turn);
+/// Fewer triangles for a surface that nowhere moves by more than about `error_mm`.
+TriangleMesh simplified(const TriangleMesh& mesh, double error_mm) {
+  const TriangleMesh merged = with_merged_vertices(mesh);
+  std::vector<unsigned> indices;
+  for (const auto& triangle : merged.triangles)
+    for (const int corner : triangle) indices.push_back(static_cast<unsigned>(corner));
+  const float* positions = merged.vertices[0].data();
+  const float scale_mm = meshopt_simplifyScale(positions, merged.vertices.size(), sizeof(Eigen::Vector3f));
+  std::vector<unsigned> fewer(indices.size());
+  fewer.resize(meshopt_simplify(fewer.data(), indices.data(), indices.size(), positions, merged.vertices.size(),
+                                sizeof(Eigen::Vector3f), 0, static_cast<float>(error_mm) / scale_mm, 0, nullptr));
+  if (fewer.empty()) return merged;
+  TriangleMesh out;
+  std::vector<int> moved(merged.vertices.size(), -1);
+  for (std::size_t i = 0; i + 2 < fewer.size(); i += 3) {
+    std::array<int, 3> triangle;
+    for (int k = 0; k < 3; ++k) {
+      int& vertex = moved[fewer[i + k]];
+      if (vertex < 0) {
+        vertex = static_cast<int>(out.vertices.size());
+        out.vertices.push_back(merged.vertices[fewer[i + k]]);
+      }
+      triangle[k] = vertex;
+    }
+    out.triangles.push_back(triangle);
   }
   return out;
 }
 
+/// Evenly by area.
+std::vector<Eigen::Vector3f> surface_points(const TriangleMesh& mesh, int count) {
+  std::vector<double> area_to;  // of the triangles up to each
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Eigen::Vector3f normal =
+        (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+    area_to.push_back(area += std::isfinite(normal.norm()) ? normal.norm() : 0);
+  }
+  Random random(1);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < count; ++i) {
+    const double at = area * (i + random.uniform()) / count;
+    const auto found = std::upper_bound(area_to.begin(), area_to.end(), at) - area_to.begin();
+    const auto& [a, b, c] = mesh.triangles[std::min<std::size_t>(found, mesh.triangles.size() - 1)];
+    const auto root = static_cast<float>(std::sqrt(random.uniform())), share = static_cast<float>(random.uniform());
+    points.push_back((1 - root) * mesh.vertices[a] + root * (1 - share) * mesh.vertices[b] +
+                     root * share * mesh.vertices[c]);
+  }
+  return points;
+}
+
+Eigen::Isometry3d turn_about(const Eigen::Vector3d& axis, double angle_rad, const Eigen::Vector3d& centre) {
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.linear() = Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
+  turn.translation() = centre - turn.linear() * centre;
+  return turn;
+}
+
+/// Turns about the box's axes and the surface's principal axes after which the surface lies near itself.
+std::vector<Eigen::Isometry3d> find_partners(const PartModel& model) {
+  const ProbePoints probes(model.samples_mm);
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const auto& p : model.samples_mm) {
+    const Eigen::Vector3d arm = p.cast<double>() - probes.centre_mm();
+    spread += arm * arm.transpose();
+  }
+  const Eigen::Matrix3d principal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes;  // direction, place
+  for (int k = 0; k < 3; ++k) axes.emplace_back(Eigen::Vector3d::Unit(k), model.middle_mm);
+  for (int k = 0; k < 3; ++k)
+    if (principal.col(k).cwiseAbs().maxCoeff() < 0.999) axes.emplace_back(principal.col(k), probes.centre_mm());
+
+  struct Partner {
+    double cost;
+    Eigen::Isometry3d turn;
+  };
+  std::vector<Partner> found;
+  const double scale_mm = 0.02 * model.diameter_mm;
+  for (const auto& [axis, place] : axes) {
+    for (const double angle_deg : {180.0, 90.0, 270.0, 120.0, 240.0, 60.0, 300.0}) {
+      const auto refined = refine_on_field(
+          model.field, turn_about(axis, radians(angle_deg), place).inverse(), probes,
+          {.start_scale_mm = scale_mm, .end_scale_mm = scale_mm, .max_iterations = 3});
+      if (refined.mean_capped > 1.2) continue;  // on the average farther away than about 2 % of the diameter
+      const Eigen::Isometry3d turn = refined.camera_from_model;
+      const bool known = std::any_of(found.begin(), found.end(), [&](const Partner& other) {
+        return rotation_error_deg(other.turn, turn) < 15;
+      });
+      if (!known && rotation_error_deg(turn, Eigen::Isometry3d::Identity()) > 30)
+        found.push_back({refined.mean_capped, turn});
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Partner& a, const Partner& b) { return a.cost < b.cost; });
+  std::vector<Eigen::Isometry3d> partners;
+  for (const auto& partner : found)
+    if (!model.is_symmetry(partner.turn, 0.005 * model.diameter_mm)) partners.push_back(partner.turn);
+  constexpr std::size_t most = 6;
+  if (partners.size() > most) partners.resize(most);
+  return partners;
+}
+
+PartView make_view(const PointCloud& seen, const Eigen::Isometry3d& camera_from_model,
+                   const Eigen::Isometry3d& sight_from_camera) {
+  PartView view;
+  view.sight_from_model = (sight_from_camera * camera_from_model).cast<float>();
+  const Eigen::Isometry3f model_from_camera = camera_from_model.inverse().cast<float>();
+  for (int i = 0; i < PartView::visible_points; ++i)
+    view.visible_mm[i] = model_from_camera * seen.points[(2 * i + 1) * seen.size() / (2 * PartView::visible_points)];
+  return view;
+}
+
 }  // namespace
 
-PartModel::PartModel(const TriangleMesh& mesh, double part_diameter_mm)
-    : diameter_mm(part_diameter_mm), scale(template_scale(part_diameter_mm)), field(mesh), partners(half_turns(mesh)) {
+PartModel::PartModel(const TriangleMesh& mesh)
+    : diameter_mm(diameter(mesh)),
+      middle_mm(bounding_box(mesh).center()),
+      box_mm(bounding_box(mesh)),
+      scale(template_scale(diameter_mm)),
+      field(mesh) {
+  outline = simplified(mesh, outline_share * diameter_mm);
+  surface = simplified(mesh, surface_share * diameter_mm);
+  samples_mm = surface_points(mesh, surface_samples);
   const Intrinsics camera = view_camera();
-  const Eigen::Vector3d middle = bounding_box(mesh).center();
   for (const auto& direction : icosphere_directions(subdivisions, true)) {
     const Eigen::Isometry3d camera_from_model =
-        look_at(middle + distance_share * diameter_mm * direction, middle).inverse();
-    const DepthImage depth = render(mesh, camera_from_model, camera).depth;
-    PointCloud seen = to_point_cloud(depth, camera);
+        look_at(middle_mm + distance_share * diameter_mm * direction, middle_mm).inverse();
+    const PointCloud seen = to_point_cloud(render(surface, camera_from_model, camera).depth, camera);
     if (seen.empty()) continue;
-    PartView view;
     const Eigen::Vector3d centre = centroid(seen);
     Eigen::Isometry3d sight_from_camera = Eigen::Isometry3d::Identity();
     sight_from_camera.linear() = sight_frame(centre);
     sight_from_camera.translation() = -sight_from_camera.linear() * centre;
-    view.sight_from_model = sight_from_camera * camera_from_model;
-    const Eigen::Isometry3f model_from_camera = camera_from_model.inverse().cast<float>();
-    const double step = std::max(1.0, static_cast<double>(seen.size()) / visible_points);
-    for (double i = 0.5 * step; i < static_cast<double>(seen.size()); i += step)
-      view.visible_mm.push_back(model_from_camera * seen.points[static_cast<std::size_t>(i)]);
     const PointCloud relative = transformed(seen, sight_from_camera);
     templates.push_back(make_template(relative.points, 0, centre.norm() / camera.fx, scale));
-    views.push_back(std::move(view));
+    small_templates.push_back(halved(templates.back()));
+    views.push_back(make_view(seen, camera_from_model, sight_from_camera));
   }
+  partners = find_partners(*this);
+}
+
+bool PartModel::is_symmetry(const Eigen::Isometry3d& model_from_model, double tolerance_mm) const {
+  const Eigen::Isometry3f motion = model_from_model.cast<float>();
+  return std::all_of(samples_mm.begin(), samples_mm.end(), [&](const Eigen::Vector3f& p) {
+    return std::abs(field.at(motion * p).distance_mm) <= tolerance_mm;
+  });
+}
+
+std::size_t PartModel::memory_bytes() const {
+  const auto mesh_bytes = [](const TriangleMesh& mesh) {
+    return mesh.vertices.size() * sizeof(mesh.vertices[0]) + mesh.triangles.size() * sizeof(mesh.triangles[0]);
+  };
+  return sizeof(*this) + mesh_bytes(outline) + mesh_bytes(surface) + views.size() * sizeof(PartView) +
+         templates.size() * sizeof(DepthTemplate) + small_templates.size() * sizeof(SmallTemplate) +
+         field.memory_bytes() + samples_mm.size() * sizeof(samples_mm[0]) + partners.size() * sizeof(partners[0]);
 }
 
 }  // namespace partpose

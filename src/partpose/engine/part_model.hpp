@@ -8,27 +8,44 @@
 
 #include <Eigen/Geometry>
 
+#include <array>
 #include <vector>
 
 namespace partpose {
 
 /// A part as it looks from one side.
 struct PartView {
+  static constexpr int visible_points = 64;
+
   /// Model frame to sight frame: origin in the centroid of what is visible, z along the line of sight through it.
-  Eigen::Isometry3d sight_from_model = Eigen::Isometry3d::Identity();
-  std::vector<Eigen::Vector3f> visible_mm;  ///< some points spread over what is visible, model frame
+  Eigen::Isometry3f sight_from_model = Eigen::Isometry3f::Identity();
+  std::array<Eigen::Vector3f, visible_points> visible_mm;  ///< spread over what is visible, model frame
 };
 
 /// All that the engine knows of a part, made from its mesh alone.
 struct PartModel {
-  PartModel(const TriangleMesh& mesh, double part_diameter_mm);
+  explicit PartModel(const TriangleMesh& mesh);
 
   double diameter_mm = 0;
+  Eigen::Vector3d middle_mm = Eigen::Vector3d::Zero();  ///< of the bounding box
+  Eigen::AlignedBox3d box_mm;
+  TriangleMesh outline;   ///< for a first look: few triangles, as near to the surface as `outline_share` of the diameter
+  TriangleMesh surface;   ///< for the last: as near as `surface_share`
   TemplateScale scale;
   std::vector<PartView> views;
-  std::vector<DepthTemplate> templates;  ///< of each view
+  std::vector<DepthTemplate> templates;        ///< of each view
+  std::vector<SmallTemplate> small_templates;  ///< of each view
   SurfaceField field;
-  std::vector<Eigen::Isometry3d> partners;  ///< model_from_model: turns that nearly put the part back onto itself
+  std::vector<Eigen::Vector3f> samples_mm;     ///< spread evenly over the surface, model frame
+  /// Turns (model_from_model) that put the part nearly back onto itself: where it may be mistaken for itself.
+  std::vector<Eigen::Isometry3d> partners;
+
+  static constexpr double outline_share = 0.004, surface_share = 0.001;
+
+  /// Whether the part, moved so, is where it was, to within `tolerance_mm` everywhere.
+  bool is_symmetry(const Eigen::Isometry3d& model_from_model, double tolerance_mm) const;
+
+  std::size_t memory_bytes() const;
 };
 
 }  // namespace partpose

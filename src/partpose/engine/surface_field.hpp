@@ -11,46 +11,43 @@
 
 namespace partpose {
 
-/// Where a part's surface is nearest, from any place in or around it, in constant time: a grid whose nodes name the
-/// nearest triangle, and the nearest of the triangles turned the other way. The distance itself is that to the
-/// triangle, exact, so the grid may be coarse; and the second triangle tells the two sides of a wall that is thinner
-/// than a cell. Immutable and thread-safe.
+/// Eight numbers that are computed side by side.
+struct Lanes {
+  static constexpr int count = 8;
+  alignas(32) float value[count];
+};
+
+/// The signed distance to a part's surface in and around it, tabulated: negative inside where the mesh is closed and
+/// wound outwards. Between the nodes of the grid it is interpolated in all three directions, so that distances near a
+/// flat face are exact and walls need only be thicker than a cell to keep both sides; a thinner wall attracts points
+/// to its middle, to half a cell. Immutable and thread-safe.
 class SurfaceField {
  public:
-  struct Nearest {
+  struct Sample {
     float distance_mm = 0;
-    Eigen::Vector3f direction = Eigen::Vector3f::UnitZ();  ///< unit, along which the distance grows; the normal at 0
+    Eigen::Vector3f gradient = Eigen::Vector3f::Zero();  ///< of the interpolated distance; up to about 1 long
+  };
+  struct Samples {
+    Lanes distance_mm, gradient_x, gradient_y, gradient_z;
   };
 
-  /// Throws Error when the mesh has no triangle with an area.
-  explicit SurfaceField(const TriangleMesh& mesh, int cells_on_longest_side = 48);
+  /// The grid's cells are as small as `most_nodes` allow. Throws Error when the mesh has no triangle with an area.
+  explicit SurfaceField(const TriangleMesh& mesh, int most_nodes = 250'000);
 
-  /// The place on the surface nearest to `query_mm` (model frame), on a side that faces `to_camera` where there is one.
-  Nearest nearest(const Eigen::Vector3f& query_mm, const Eigen::Vector3f& to_camera) const;
+  /// At places in the model frame. Outside the grid, which reaches a tenth of the part's length around it, distances
+  /// are those to the surface from the grid's edge and the way to there.
+  Samples at(const Lanes& x_mm, const Lanes& y_mm, const Lanes& z_mm) const;
+  Sample at(const Eigen::Vector3f& place_mm) const;
 
-  std::size_t memory_bytes() const { return nodes_.size() * sizeof(Node) + triangles_.size() * sizeof(Triangle); }
+  float cell_mm() const { return cell_mm_; }
+  std::size_t memory_bytes() const { return distance_.size() * sizeof(distance_[0]); }
 
  private:
-  struct Triangle {
-    Eigen::Vector3f a, ab, ac, normal;
-  };
-  struct Node {
-    std::int32_t nearest = -1;   ///< triangle
-    std::int32_t opposite = -1;  ///< triangle, turned against `nearest`; -1: none near by
-  };
-  struct Build;
-
-  static Eigen::Vector3f from_triangle(const Triangle& t, const Eigen::Vector3f& query_mm);
-  std::size_t index(int x, int y, int z) const { return (static_cast<std::size_t>(z) * size_.y() + y) * size_.x() + x; }
-  Eigen::Vector3f position(int x, int y, int z) const {
-    return low_ + cell_mm_ * Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-  }
-
   Eigen::Vector3f low_;
   float cell_mm_ = 1;
+  float unit_mm_ = 1;  ///< of the tabulated distances
   Eigen::Vector3i size_;
-  std::vector<Triangle> triangles_;
-  std::vector<Node> nodes_;
+  std::vector<std::int16_t> distance_;
 };
 
 }  // namespace partpose

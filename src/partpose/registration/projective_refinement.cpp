@@ -4,7 +4,6 @@
 
 #include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/pose.hpp"
-#include "partpose/registration/normal_equations.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -75,6 +74,8 @@ ProjectiveRefinement refine_projectively(const TriangleMesh& mesh, const Eigen::
     }
     if (!(equations.weight > 0)) break;
     out.rms_mm = std::sqrt(squared / equations.weight);
+    out.hessian = equations.hessian;
+    out.centre_mm = centre;
     const Vector6d solution = equations.solve();
     Eigen::Isometry3d step = Eigen::Isometry3d::Identity();
     step.linear() = rotation_from_vector(solution.head<3>());

@@ -4,6 +4,7 @@
 
 #include "partpose/core/depth_image.hpp"
 #include "partpose/core/mesh.hpp"
+#include "partpose/registration/normal_equations.hpp"
 
 #include <Eigen/Geometry>
 
@@ -21,6 +22,10 @@ struct ProjectiveRefinement {
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
   int pixels = 0;     ///< pairs in the last iteration; fewer than 20 say nothing, and nothing is moved
   double rms_mm = std::numeric_limits<double>::infinity();  ///< of their point-to-plane distances; infinite without any
+  /// Of the last iteration, about `centre_mm` (camera frame), in rotation vector [rad] and translation [mm]: the normal
+  /// equations' matrix, each pair counted by its weight.
+  Matrix6d hessian = Matrix6d::Zero();
+  Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();
 };
 
 /// Moves a part so that its rendered surface meets the measured depth: each iteration renders the part, pairs each pixel's

@@ -1,0 +1,560 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/engine/frame_pieces.hpp"
+
+#include "partpose/core/random.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace partpose {
+
+namespace {
+
+/// How far a piece may exceed the largest part, for noise and for what sticks to it.
+constexpr float size_margin = 1.25f;
+constexpr int wanted_cells = 80'000;
+
+class UnionFind {
+ public:
+  explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int find(int i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(int a, int b) {
+    a = find(a), b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+/// Every n-th pixel of a frame, with its ray.
+class Grid {
+ public:
+  Grid(const DepthImage& depth, const Intrinsics& camera)
+      : stride(std::max(1, static_cast<int>(std::ceil(
+            std::sqrt(static_cast<double>(depth.width) * depth.height / wanted_cells) - 0.05)))),
+        width((depth.width + stride - 1) / stride),
+        height((depth.height + stride - 1) / stride),
+        z_mm(static_cast<std::size_t>(width) * height) {
+    for (int u = 0; u < width; ++u) ray_x.push_back(static_cast<float>((u * stride - camera.cx) / camera.fx));
+    for (int v = 0; v < height; ++v) {
+      ray_y.push_back(static_cast<float>((v * stride - camera.cy) / camera.fy));
+      const float* row = &depth.z_mm[static_cast<std::size_t>(v) * stride * depth.width];
+      for (int u = 0; u < width; ++u) z_mm[static_cast<std::size_t>(v) * width + u] = row[u * stride];
+    }
+    limit_per_mm = static_cast<float>(3.0 * stride / std::min(camera.fx, camera.fy));
+  }
+
+  Eigen::Vector3f ray(int cell) const { return {ray_x[cell % width], ray_y[cell / width], 1}; }
+  Eigen::Vector3f point(int cell) const { return z_mm[cell] * ray(cell); }
+  /// Depths of neighbouring cells differ by less on one surface: up to about 70 degrees steep it holds together, and
+  /// the jump from a part to what is behind it is larger.
+  float jump_mm(float z) const { return 2 + limit_per_mm * z; }
+
+  int stride, width, height;
+  std::vector<float> z_mm, ray_x, ray_y;
+  float limit_per_mm = 0;
+};
+
+using Cells = std::vector<int>;  ///< indices into a Grid, rising
+
+struct CutPlane {
+  InverseDepthPlane plane;
+  float cut_mm = 0;  ///< what lies nearer to it belongs to it
+};
+
+/// Splits a frame's cells into what may be single objects.
+class Splitter {
+ public:
+  Splitter(const Grid& grid, const Intrinsics& camera, const FramePiecesOptions& options)
+      : grid_(grid), camera_(camera), options_(options) {
+    Cells measured;
+    for (int i = 0; i < static_cast<int>(grid.z_mm.size()); ++i)
+      if (grid.z_mm[i] > 0) measured.push_back(i);
+    min_cells_ = std::max(8, options.min_pixels / (grid.stride * grid.stride));
+    table = dominant_plane(measured);
+    if (is_plausible(measured)) {
+      whole_frame = true;
+      if (!table || !stands_on_table(measured)) return;
+    }
+    if (table) remove_plane_and_split(measured, *table, 0);
+    std::stable_sort(pieces.begin(), pieces.end(),
+                     [](const Piece& a, const Piece& b) { return a.cells.size() > b.cells.size(); });
+    if (static_cast<int>(pieces.size()) > options.most_pieces) pieces.resize(options.most_pieces);
+  }
+
+  struct Piece {
+    Cells cells;
+    CutPlane plane;  ///< that was taken away beside it
+  };
+  std::vector<Piece> pieces;
+  bool whole_frame = false;
+  std::optional<CutPlane> table;
+
+ private:
+  /// The largest width along 13 directions: the diameter, less some per cent.
+  float extent_mm(const Cells& cells) const {
+    static const std::array<Eigen::Vector3f, 13> directions = [] {
+      std::array<Eigen::Vector3f, 13> out;
+      for (int code = 14; code < 27; ++code)  // one of each pair of opposite directions with entries -1, 0, 1
+        out[code - 14] = Eigen::Vector3f(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1).normalized();
+      return out;
+    }();
+    std::array<float, 13> low, high;
+    low.fill(std::numeric_limits<float>::infinity());
+    high.fill(-std::numeric_limits<float>::infinity());
+    for (const int cell : cells) {
+      const Eigen::Vector3f p = grid_.point(cell);
+      for (int k = 0; k < 13; ++k) {
+        const float along = directions[k].dot(p);
+        low[k] = std::min(low[k], along);
+        high[k] = std::max(high[k], along);
+      }
+    }
+    float largest = 0;
+    for (int k = 0; k < 13; ++k) largest = std::max(largest, high[k] - low[k]);
+    return largest;
+  }
+
+  bool is_too_large(const Cells& cells) const { return extent_mm(cells) > size_margin * options_.largest_part_mm; }
+
+  bool is_plausible(const Cells& cells) const {
+    if (static_cast<int>(cells.size()) < min_cells_) return false;
+    // Whatever covers far more than the largest part could is not looked at point by point.
+    const float middle_z = grid_.z_mm[cells[cells.size() / 2]];
+    const double cell_mm = grid_.stride * middle_z / std::max(camera_.fx, camera_.fy);
+    const double largest_mm = size_margin * options_.largest_part_mm;
+    if (static_cast<double>(cells.size()) * cell_mm * cell_mm > 4 * largest_mm * largest_mm) return false;
+    const float extent = extent_mm(cells);
+    if (extent > largest_mm || extent < 0.3f * options_.smallest_part_mm) return false;
+    // Even a plate seen edge-on covers a few per cent of its diameter's square.
+    const double smallest_cells = options_.smallest_part_mm / cell_mm;
+    return static_cast<double>(cells.size()) >= 0.02 * smallest_cells * smallest_cells;
+  }
+
+  /// By RANSAC (Fischler and Bolles 1981) on inverse depths, refined by least squares on what lies on it.
+  std::optional<CutPlane> dominant_plane(const Cells& cells) const {
+    constexpr double smallest_share = 0.1;
+    if (static_cast<int>(cells.size()) < std::max(min_cells_, 3)) return std::nullopt;
+    const auto every_nth = [&](std::size_t count) {
+      Cells some;
+      const double step = std::max(1.0, static_cast<double>(cells.size()) / static_cast<double>(count));
+      for (double i = 0.5 * step; i < static_cast<double>(cells.size()); i += step)
+        some.push_back(cells[static_cast<std::size_t>(i)]);
+      return some;
+    };
+    const Cells voters = every_nth(400);
+    std::vector<float> z;
+    for (const int cell : voters) z.push_back(grid_.z_mm[cell]);
+    std::nth_element(z.begin(), z.begin() + static_cast<std::ptrdiff_t>(z.size() / 2), z.end());
+    // Wide enough for the waves that a stereo camera sees on a flat table, about 1 % of the distance.
+    const float threshold = std::clamp(0.01f * z[z.size() / 2], 3.0f, 50.0f);
+
+    const auto votes_for = [&](const InverseDepthPlane& plane, const Cells& of) {
+      const float tolerance = threshold * plane.q.norm();
+      int votes = 0;
+      for (const int cell : of) votes += std::abs(1 - grid_.z_mm[cell] * plane.q.dot(grid_.ray(cell))) < tolerance;
+      return votes;
+    };
+    Random random(1);
+    InverseDepthPlane best;
+    int most_votes = 0;
+    constexpr int most_draws = 150;
+    for (int draw = 0, enough = most_draws; draw < enough; ++draw) {
+      Eigen::Matrix3f rays;
+      Eigen::Vector3f inverse;
+      for (int k = 0; k < 3; ++k) {
+        const int cell = cells[random.below(cells.size())];
+        rays.row(k) = grid_.ray(cell);
+        inverse[k] = 1 / grid_.z_mm[cell];
+      }
+      if (std::abs(rays.determinant()) < 1e-7f) continue;
+      InverseDepthPlane plane;
+      plane.q = rays.inverse() * inverse;
+      if (!plane.q.allFinite() || !(plane.q.norm() > 0)) continue;
+      const int votes = votes_for(plane, voters);
+      if (votes <= most_votes) continue;
+      most_votes = votes;
+      best = plane;
+      const double all_on_it = std::pow(static_cast<double>(votes) / static_cast<double>(voters.size()), 3);
+      if (all_on_it > 0.999) break;
+      enough = std::min<int>(most_draws, static_cast<int>(std::log(1e-6) / std::log(1 - all_on_it)) + 1);
+    }
+    if (most_votes < smallest_share * static_cast<double>(voters.size())) return std::nullopt;
+
+    const Cells some = every_nth(6000);
+    float squared = 0;
+    int on_it = 0;
+    for (int round = 0; round < 3; ++round) {
+      Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+      Eigen::Vector3d right = Eigen::Vector3d::Zero();
+      const float per_mm = best.q.norm();
+      squared = 0;
+      on_it = 0;
+      for (const int cell : some) {
+        const Eigen::Vector3f ray = grid_.ray(cell);
+        const float height = (1 - grid_.z_mm[cell] * best.q.dot(ray)) / per_mm;
+        if (std::abs(height) >= threshold) continue;
+        const Eigen::Vector3d r = ray.cast<double>();
+        normal += r * r.transpose();
+        right += r / grid_.z_mm[cell];
+        squared += height * height;
+        ++on_it;
+      }
+      if (on_it < 3) break;
+      const Eigen::Vector3d q = normal.ldlt().solve(right);
+      if (!q.allFinite() || !(q.norm() > 0)) break;
+      best.q = q.cast<float>();
+    }
+    if (on_it < smallest_share * static_cast<double>(some.size())) return std::nullopt;
+    best.rms_mm = std::sqrt(squared / static_cast<float>(std::max(on_it, 1)));
+    // Cut by the noise that the plane shows, so that the feet of flat parts stay.
+    return CutPlane{best, std::clamp(3 * best.rms_mm, 1.5f, threshold)};
+  }
+
+  float height_mm(const CutPlane& cut, int cell) const { return cut.plane.height_mm(grid_.ray(cell), grid_.z_mm[cell]); }
+
+  /// Objects on a table lie on the camera's side of its plane; where the dominant plane is a part's own face, the rest of
+  /// the part lies behind it.
+  bool stands_on_table(const Cells& cells) const {
+    int before = 0, behind = 0;
+    for (const int cell : cells) {
+      const float height = height_mm(*table, cell);
+      before += height > table->cut_mm;
+      behind += height < -table->cut_mm;
+    }
+    return before > 3 * behind;
+  }
+
+  /// The plane is the table, the wall or the floor. What is left falls into pieces; those too large to be a part have a
+  /// plane of their own taken away.
+  void remove_plane_and_split(const Cells& cells, const CutPlane& plane, int level) {
+    Cells remaining, on_plane;
+    const Eigen::Vector3f q = plane.plane.q;
+    const float tolerance = plane.cut_mm * q.norm();
+    for (const int cell : cells)
+      (std::abs(1 - grid_.z_mm[cell] * q.dot(grid_.ray(cell))) > tolerance ? remaining : on_plane).push_back(cell);
+    // Taken away wherever it shows, also through a part's holes.
+    split(remaining, plane, level);
+    if (level == 0) return;
+    // A lesser plane may hold a part's face by chance: once more, and only what is larger than a part is taken away.
+    const std::size_t without_patches = remaining.size();
+    for (const auto& patch : connected(on_plane))
+      if (!is_too_large(patch)) remaining.insert(remaining.end(), patch.begin(), patch.end());
+    if (remaining.size() == without_patches) return;
+    std::sort(remaining.begin(), remaining.end());
+    split(remaining, plane, level);
+  }
+
+  void split(const Cells& remaining, const CutPlane& plane, int level) {
+    constexpr int most_levels = 3;
+    for (auto& piece : connected(remaining)) {
+      if (static_cast<int>(piece.size()) < min_cells_) continue;
+      if (is_plausible(piece)) {
+        if (stands_out(piece, plane)) add({std::move(piece), plane});
+      } else if (level + 1 < most_levels && is_too_large(piece)) {
+        if (const auto next = dominant_plane(piece)) remove_plane_and_split(piece, *next, level + 1);
+      }
+    }
+  }
+
+  void add(Piece piece) {
+    const bool known =
+        std::any_of(pieces.begin(), pieces.end(), [&](const Piece& other) { return other.cells == piece.cells; });
+    if (!known) pieces.push_back(std::move(piece));
+  }
+
+  /// Not just a wave of the plane that was taken away beside it.
+  bool stands_out(const Cells& cells, const CutPlane& plane) const {
+    std::vector<float> distance;
+    for (const int cell : cells) distance.push_back(std::abs(height_mm(plane, cell)));
+    const auto high = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() * 9 / 10);
+    std::nth_element(distance.begin(), high, distance.end());
+    return *high > 1.7f * plane.cut_mm;
+  }
+
+  /// Groups of neighbouring cells that are near in space; holes of one cell are bridged.
+  std::vector<Cells> connected(const Cells& cells) const {
+    std::vector<int> slot(grid_.z_mm.size(), -1);
+    for (std::size_t i = 0; i < cells.size(); ++i) slot[cells[i]] = static_cast<int>(i);
+    UnionFind groups(cells.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const int u = cells[i] % grid_.width, v = cells[i] / grid_.width;
+      const float z = grid_.z_mm[cells[i]];
+      for (const auto& [du, dv] : {std::pair{1, 0}, {0, 1}, {1, 1}, {-1, 1}, {2, 0}, {0, 2}}) {
+        if (u + du < 0 || u + du >= grid_.width || v + dv >= grid_.height) continue;
+        const int other = cells[i] + dv * grid_.width + du, between = cells[i] + dv / 2 * grid_.width + du / 2;
+        if (slot[other] < 0 || (between != cells[i] && grid_.z_mm[between] > 0)) continue;
+        const float limit = 2 + (grid_.jump_mm(z) - 2) * static_cast<float>(std::max(std::abs(du), std::abs(dv)));
+        if (std::abs(grid_.z_mm[other] - z) <= limit) groups.join(static_cast<int>(i), slot[other]);
+      }
+    }
+    std::vector<int> group_of(cells.size(), -1);
+    std::vector<Cells> out;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      int& group = group_of[groups.find(static_cast<int>(i))];
+      if (group < 0) {
+        group = static_cast<int>(out.size());
+        out.emplace_back();
+      }
+      out[group].push_back(cells[i]);
+    }
+    return out;
+  }
+
+  const Grid& grid_;
+  const Intrinsics& camera_;
+  const FramePiecesOptions& options_;
+  int min_cells_ = 8;
+};
+
+/// Labels the pixels by the cells: as the cell beside a pixel, where their depths are near and the pixel is off the plane.
+class PixelLabels {
+ public:
+  PixelLabels(FramePieces& frame, const Grid& grid, const Splitter& splitter)
+      : frame_(frame), grid_(grid), splitter_(splitter), cell_label_(grid.z_mm.size(), 0) {
+    for (std::size_t k = 0; k < splitter.pieces.size(); ++k)
+      for (const int cell : splitter.pieces[k].cells)
+        cell_label_[cell] = static_cast<std::uint8_t>(FramePieces::first_piece + k);
+    for (std::size_t k = 0; k < splitter.pieces.size(); ++k) label_piece(k);
+  }
+
+ private:
+  void label_piece(std::size_t k) {
+    const auto& piece = splitter_.pieces[k];
+    int cu0 = grid_.width, cu1 = -1, cv0 = grid_.height, cv1 = -1;
+    for (const int cell : piece.cells) {
+      cu0 = std::min(cu0, cell % grid_.width), cu1 = std::max(cu1, cell % grid_.width);
+      cv0 = std::min(cv0, cell / grid_.width), cv1 = std::max(cv1, cell / grid_.width);
+    }
+    const DepthImage& depth = *frame_.depth;
+    const int s = grid_.stride;
+    const auto label = static_cast<std::uint8_t>(FramePieces::first_piece + k);
+    FrameObject object;
+    object.labels.set(label);
+    object.u0 = depth.width, object.v0 = depth.height;
+    const Eigen::Vector3f q = piece.plane.plane.q;
+    const float tolerance = piece.plane.cut_mm * q.norm();
+    const auto fx = static_cast<float>(1 / frame_.camera.fx), fy = static_cast<float>(1 / frame_.camera.fy);
+    const auto cx = static_cast<float>(frame_.camera.cx), cy = static_cast<float>(frame_.camera.cy);
+    for (int v = std::max(0, (cv0 - 1) * s + 1); v < std::min(depth.height, (cv1 + 1) * s); ++v) {
+      for (int u = std::max(0, (cu0 - 1) * s + 1); u < std::min(depth.width, (cu1 + 1) * s); ++u) {
+        const std::size_t p = static_cast<std::size_t>(v) * depth.width + u;
+        const float z = depth.z_mm[p];
+        if (!(z > 0) || frame_.label[p] != FramePieces::background || !is_near(u, v, z, label)) continue;
+        const Eigen::Vector3f ray((static_cast<float>(u) - cx) * fx, (static_cast<float>(v) - cy) * fy, 1);
+        if (std::abs(1 - z * q.dot(ray)) <= tolerance) continue;
+        frame_.label[p] = label;
+        ++object.pixels;
+        object.u0 = std::min(object.u0, u), object.u1 = std::max(object.u1, u);
+        object.v0 = std::min(object.v0, v), object.v1 = std::max(object.v1, v);
+      }
+    }
+    if (object.pixels > 0) frame_.objects.push_back(object);
+  }
+
+  bool is_near(int u, int v, float z, std::uint8_t label) const {
+    const int s = grid_.stride;
+    const int cu = u / s, cv = v / s;
+    for (int dv = 0; dv <= (v % s != 0); ++dv)
+      for (int du = 0; du <= (u % s != 0); ++du) {
+        if (cu + du >= grid_.width || cv + dv >= grid_.height) continue;
+        const std::size_t cell = static_cast<std::size_t>(cv + dv) * grid_.width + cu + du;
+        if (cell_label_[cell] == label && std::abs(grid_.z_mm[cell] - z) <= grid_.jump_mm(z)) return true;
+      }
+    return false;
+  }
+
+  FramePieces& frame_;
+  const Grid& grid_;
+  const Splitter& splitter_;
+  std::vector<std::uint8_t> cell_label_;
+};
+
+FrameObject together(const FrameObject& a, const FrameObject& b) {
+  FrameObject out;
+  out.labels = a.labels | b.labels;
+  out.u0 = std::min(a.u0, b.u0), out.v0 = std::min(a.v0, b.v0);
+  out.u1 = std::max(a.u1, b.u1), out.v1 = std::max(a.v1, b.v1);
+  out.pixels = a.pixels + b.pixels;
+  return out;
+}
+
+/// Pairs of pieces that nearly touch in the image and are together no larger than a part, the largest first.
+void add_pairs(FramePieces& frame, const Splitter& splitter, const Grid& grid, const FramePiecesOptions& options) {
+  constexpr int near_px = 8;
+  const int reach = std::max(1, near_px / grid.stride);
+  const std::size_t count = frame.objects.size();
+  std::vector<Eigen::AlignedBox3f> box(count);
+  std::vector<std::vector<std::uint8_t>> covered(count);  // in blocks of `reach` cells
+  const int columns = grid.width / reach + 1, rows = grid.height / reach + 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    covered[k].assign(static_cast<std::size_t>(columns) * rows, 0);
+    const auto piece = static_cast<std::size_t>(frame.objects[k].labels._Find_first()) - FramePieces::first_piece;
+    for (const int cell : splitter.pieces[piece].cells) {
+      box[k].extend(grid.point(cell));
+      covered[k][static_cast<std::size_t>(cell / grid.width / reach) * columns + cell % grid.width / reach] = 1;
+    }
+  }
+  const auto touch = [&](std::size_t a, std::size_t b) {
+    for (int v = 0; v < rows; ++v)
+      for (int u = 0; u < columns; ++u) {
+        if (!covered[a][static_cast<std::size_t>(v) * columns + u]) continue;
+        for (int vv = std::max(v - 1, 0); vv <= std::min(v + 1, rows - 1); ++vv)
+          for (int uu = std::max(u - 1, 0); uu <= std::min(u + 1, columns - 1); ++uu)
+            if (covered[b][static_cast<std::size_t>(vv) * columns + uu]) return true;
+      }
+    return false;
+  };
+  std::vector<FrameObject> pairs;
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = a + 1; b < count; ++b)
+      if (box[a].merged(box[b]).sizes().maxCoeff() <= options.largest_part_mm && touch(a, b))
+        pairs.push_back(together(frame.objects[a], frame.objects[b]));
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const FrameObject& a, const FrameObject& b) { return a.pixels > b.pixels; });
+  if (static_cast<int>(pairs.size()) > options.most_pairs) pairs.resize(options.most_pairs);
+  frame.objects.insert(frame.objects.end(), pairs.begin(), pairs.end());
+}
+
+}  // namespace
+
+FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options) {
+  FramePieces frame;
+  frame.depth = &depth;
+  frame.camera = camera;
+  frame.label.resize(depth.z_mm.size());
+  for (std::size_t p = 0; p < depth.z_mm.size(); ++p)
+    frame.label[p] = depth.z_mm[p] > 0 ? FramePieces::background : FramePieces::not_measured;
+  if (depth.z_mm.empty()) return frame;
+
+  const Grid grid(depth, camera);
+  const Splitter splitter(grid, camera, options);
+  if (splitter.table) frame.table = splitter.table->plane;
+  const PixelLabels labels(frame, grid, splitter);
+  if (frame.objects.size() > 1) add_pairs(frame, splitter, grid, options);
+  if (splitter.whole_frame) {
+    FrameObject whole;
+    whole.whole_frame = true;
+    for (int k = FramePieces::background; k < 256; ++k) whole.labels.set(k);
+    whole.u0 = depth.width, whole.v0 = depth.height;
+    for (int v = 0; v < depth.height; ++v)
+      for (int u = 0; u < depth.width; ++u) {
+        if (!(depth.at(u, v) > 0)) continue;
+        ++whole.pixels;
+        whole.u0 = std::min(whole.u0, u), whole.u1 = std::max(whole.u1, u);
+        whole.v0 = std::min(whole.v0, v), whole.v1 = std::max(whole.v1, v);
+      }
+    frame.objects.push_back(whole);
+  }
+  std::stable_sort(frame.objects.begin(), frame.objects.end(),
+                   [](const FrameObject& a, const FrameObject& b) { return a.pixels > b.pixels; });
+  return frame;
+}
+
+LabelledDepth window(const FramePieces& frame, const FrameObject& object, int u0, int v0, int u1, int v1, int stride) {
+  const DepthImage& depth = *frame.depth;
+  LabelledDepth out;
+  out.camera.width = std::max(0, (u1 - u0) / stride + 1);
+  out.camera.height = std::max(0, (v1 - v0) / stride + 1);
+  out.camera.fx = frame.camera.fx / stride;
+  out.camera.fy = frame.camera.fy / stride;
+  out.camera.cx = (frame.camera.cx - u0) / stride;
+  out.camera.cy = (frame.camera.cy - v0) / stride;
+  out.depth = DepthImage(out.camera.width, out.camera.height);
+  out.label.assign(out.depth.z_mm.size(), PixelLabel::nothing);
+  std::array<PixelLabel, 256> meaning;
+  for (int k = 0; k < 256; ++k)
+    meaning[k] = k == FramePieces::not_measured ? PixelLabel::nothing
+                 : object.labels.test(k)        ? PixelLabel::object
+                                                : PixelLabel::background;
+  const int first = u0 < 0 ? (-u0 + stride - 1) / stride : 0;
+  for (int v = 0; v < out.depth.height; ++v) {
+    const int frame_v = v0 + v * stride;
+    if (frame_v < 0 || frame_v >= depth.height) continue;
+    const std::size_t row = static_cast<std::size_t>(frame_v) * depth.width;
+    for (int u = first; u < out.depth.width && u0 + u * stride < depth.width; ++u) {
+      const std::size_t from = row + u0 + u * stride, to = static_cast<std::size_t>(v) * out.depth.width + u;
+      out.depth.z_mm[to] = std::max(depth.z_mm[from], 0.0f);
+      out.label[to] = meaning[frame.label[from]];
+    }
+  }
+  return out;
+}
+
+ObjectPoints object_points(const FramePieces& frame, const FrameObject& object, int wanted) {
+  const DepthImage& depth = *frame.depth;
+  ObjectPoints out;
+  out.block_px = std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(object.pixels) / wanted))));
+  const int block = out.block_px, least = std::max(1, block * block / 3);
+  for (int bv = object.v0; bv <= object.v1; bv += block)
+    for (int bu = object.u0; bu <= object.u1; bu += block) {
+      float first_z = 0, z_sum = 0;
+      int count = 0, u_sum = 0, v_sum = 0;
+      for (int v = bv; v < std::min(bv + block, object.v1 + 1); ++v)
+        for (int u = bu; u < std::min(bu + block, object.u1 + 1); ++u) {
+          const std::size_t p = static_cast<std::size_t>(v) * depth.width + u;
+          if (!(depth.z_mm[p] > 0) || !object.labels.test(frame.label[p])) continue;
+          const float z = depth.z_mm[p];
+          if (count == 0) first_z = z;
+          const auto jump = static_cast<float>(2 + 3 * block * z / frame.camera.fx);
+          if (std::abs(z - first_z) > jump) continue;
+          z_sum += z;
+          u_sum += u;
+          v_sum += v;
+          ++count;
+        }
+      if (count < least) continue;
+      out.points_mm.push_back(frame.camera.unproject(static_cast<double>(u_sum) / count,
+                                                     static_cast<double>(v_sum) / count, z_sum / static_cast<float>(count)));
+    }
+  return out;
+}
+
+double local_noise_mm(const FramePieces& frame, const FrameObject& object) {
+  constexpr int reach = 2, side = 2 * reach + 1, most_windows = 150;
+  const DepthImage& depth = *frame.depth;
+  const double box_px = static_cast<double>(object.u1 - object.u0 + 1) * (object.v1 - object.v0 + 1);
+  const int step = std::max(1, static_cast<int>(std::sqrt(box_px / most_windows)));
+  std::vector<float> deviation;
+  for (int v = std::max(object.v0, reach); v <= std::min(object.v1, depth.height - 1 - reach); v += step)
+    for (int u = std::max(object.u0, reach); u <= std::min(object.u1, depth.width - 1 - reach); u += step) {
+      // On a regular grid the best plane's slopes are the moments over fixed sums: 5 rows of 4 + 1 + 0 + 1 + 4.
+      constexpr float moment = side * 2 * (4 + 1);
+      const float centre_z = depth.at(u, v);
+      float sum = 0, squared = 0, along_u = 0, along_v = 0;
+      bool full = true;
+      for (int dv = -reach; dv <= reach && full; ++dv)
+        for (int du = -reach; du <= reach; ++du) {
+          const std::size_t p = static_cast<std::size_t>(v + dv) * depth.width + u + du;
+          if (!object.labels.test(frame.label[p]) || !(depth.z_mm[p] > 0)) {
+            full = false;
+            break;
+          }
+          const float z = depth.z_mm[p] - centre_z;
+          sum += z;
+          squared += z * z;
+          along_u += static_cast<float>(du) * z;
+          along_v += static_cast<float>(dv) * z;
+        }
+      if (!full) continue;
+      const float left = squared - sum * sum / (side * side) - (along_u * along_u + along_v * along_v) / moment;
+      deviation.push_back(std::sqrt(std::max(left, 0.0f) / (side * side - 3)));
+    }
+  if (deviation.empty()) return 0;
+  const auto middle = deviation.begin() + static_cast<std::ptrdiff_t>(deviation.size() / 2);
+  std::nth_element(deviation.begin(), middle, deviation.end());
+  return *middle;
+}
+
+}  // namespace partpose

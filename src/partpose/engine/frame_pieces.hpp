@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/core/depth_image.hpp"
+#include "partpose/verification/render_compare.hpp"
+
+#include <Eigen/Core>
+
+#include <bitset>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace partpose {
+
+struct FramePiecesOptions {
+  float largest_part_mm = 300;  ///< diameter of the largest part that may be seen
+  float smallest_part_mm = 10;  ///< diameter of the smallest
+  int min_pixels = 60;          ///< a piece with fewer says nothing
+  int most_pieces = 16;         ///< in a cluttered frame the largest are kept
+  int most_pairs = 4;           ///< of pieces that nearly touch
+};
+
+/// Pixels that may be one object: some of the frame's pieces, or all that was measured.
+struct FrameObject {
+  std::bitset<256> labels;   ///< of the pixels that belong to it
+  bool whole_frame = false;  ///< everything measured, as if there were no table
+  int u0 = 0, v0 = 0, u1 = -1, v1 = -1;  ///< the box of its pixels, both ends included
+  int pixels = 0;
+};
+
+/// A plane by its inverse depths: 1 / z = q . (x / z, y / z, 1). A stereo camera's noise is the same all over it.
+struct InverseDepthPlane {
+  Eigen::Vector3f q = Eigen::Vector3f::Zero();
+  float rms_mm = 0;  ///< of the distances of what lies on it
+
+  /// How far a point lies on the camera's side of it; `ray` is the point over its z.
+  float height_mm(const Eigen::Vector3f& ray, float z_mm) const { return (1 - z_mm * q.dot(ray)) / q.norm(); }
+};
+
+/// A frame with what may be single objects in it. The depth image must outlive it.
+struct FramePieces {
+  const DepthImage* depth = nullptr;
+  Intrinsics camera;
+  /// Of each pixel, row by row: 0: not measured; 1: background; else a piece.
+  std::vector<std::uint8_t> label;
+  std::vector<FrameObject> objects;        ///< largest first
+  std::optional<InverseDepthPlane> table;  ///< the dominant plane, where there is one
+
+  static constexpr std::uint8_t not_measured = 0, background = 1, first_piece = 2;
+};
+
+/// Takes the dominant plane (table, wall) away, splits what is left where depth jumps, and drops what is too large or
+/// too small for any part; in a piece that is too large another plane is looked for. Where the whole frame is no larger
+/// than a part, it is an object too: the frame may show a part without a table. Pieces that nearly touch are objects
+/// together as well: a part may hide its own middle. Works on every second pixel (or n-th: about 80,000) and tells
+/// the others by them.
+FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options);
+
+/// Every `stride`-th pixel of the box [u0, u1] x [v0, v1], which may reach beyond the frame: nothing is known there.
+LabelledDepth window(const FramePieces& frame, const FrameObject& object, int u0, int v0, int u1, int v1, int stride);
+
+/// Points of the object, camera frame, about `wanted` of them: each is the mean over a block of pixels that are near
+/// each other in depth. `block_px`: the blocks' width.
+struct ObjectPoints {
+  std::vector<Eigen::Vector3f> points_mm;
+  int block_px = 1;
+};
+ObjectPoints object_points(const FramePieces& frame, const FrameObject& object, int wanted);
+
+/// Standard deviation of the depths' noise, in mm, as neighbouring pixels of the object show it: the median over windows
+/// of 5 x 5 pixels of the deviation from the plane that fits best. Slow waves are not seen. 0 when no window is full.
+double local_noise_mm(const FramePieces& frame, const FrameObject& object);
+
+}  // namespace partpose

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/engine/field_refinement.hpp"
+#include "partpose/engine/frame_pieces.hpp"
+#include "partpose/engine/part_model.hpp"
+
+#include <Eigen/Geometry>
+
+#include <span>
+#include <vector>
+
+namespace partpose {
+
+/// A part at a pose, with a cost by which hypotheses of one stage are compared: the lower the better.
+struct Hypothesis {
+  int part = -1, view = -1;
+  double cost = 0;
+  double template_cost = 0;                                 ///< mean difference of the template's cells, in caps
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< by the template
+  Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
+};
+
+/// An object of a frame as the stages see it.
+struct ObjectView {
+  ObjectView(const FramePieces& pieces, const FrameObject& frame_object);
+
+  const FramePieces* frame;
+  const FrameObject* object;
+  ObjectPoints points;
+  ProbePoints few, many, all;  ///< of the points: for a first, a second and the last look
+  double noise_mm;             ///< standard deviation of the depths as it shows locally
+};
+
+struct ShortlistOptions {
+  int small_kept = 1000;  ///< that go on from the small templates, of all parts together
+  int kept = 60;          ///< of all parts together
+  int kept_per_part = 8;  ///< in any case, of the parts that are still there
+  int most_parts = 12;    ///< for which that holds
+};
+
+/// The parts, views and turns about the line of sight whose templates are like the object's, best first.
+std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, const ObjectView& view,
+                                  const ShortlistOptions& options);
+
+/// Puts each hypothesis onto the surface by some of the object's points, and ranks it by how far these are from it and
+/// by where what its view shows falls in the frame. Best first.
+void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const ObjectView& view,
+            const ProbePoints& probes, int iterations);
+
+/// Without those that are the same part at about the same pose as a better one. Best first, as given.
+std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const PartModel* const> models);
+
+/// The `count` of lowest cost, and besides them the best `per_part` of each part.
+std::vector<Hypothesis> best_of(std::vector<Hypothesis> all, std::size_t count, int per_part);
+
+void sort_by_cost(std::vector<Hypothesis>& hypotheses);
+
+}  // namespace partpose
