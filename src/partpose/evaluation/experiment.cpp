@@ -5,11 +5,12 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/hash.hpp"
 #include "partpose/core/parallel.hpp"
+#include "partpose/core/pose.hpp"
 #include "partpose/engine/engine.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
+#include "partpose/evaluation/cramer_rao.hpp"
 #include "partpose/evaluation/experiment_tables.hpp"
-#include "partpose/evaluation/mesh_catalogue.hpp"
 #include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
@@ -89,29 +90,58 @@ struct TestScene {
   std::vector<GroundTruth> truths;   ///< any of them is right; the first names the frame's part
   std::optional<Intrinsics> camera;  ///< of a cloud, where it is known
   AmbiguityOptions noise;            ///< of the sensor
+  std::vector<ObjectTruth> objects;  ///< all parts of the catalogue that the frame shows
+  double range_noise_mm = 0;         ///< independent along each line of sight; 0: another noise, or unknown
 };
 
+/// One object, of which any of the poses is right.
+std::vector<ObjectTruth> one_object(const std::vector<GroundTruth>& truths) {
+  if (truths[0].model_name.empty()) return {};
+  ObjectTruth object{truths[0].model_name, {}};
+  for (const auto& truth : truths) object.camera_from_model.push_back(truth.camera_from_model);
+  return {object};
+}
+
+/// What a pose is judged with; nothing when there is nothing that a camera could see.
+std::optional<JudgedFrame> judged_frame(const TestScene& test, const Scene& scene) {
+  if (scene.depth) return JudgedFrame{*scene.intrinsics, *scene.depth, test.noise};
+  const auto camera = test.camera ? test.camera : intrinsics_of(before_camera(scene.cloud));
+  if (!camera) return std::nullopt;
+  return JudgedFrame{*camera, to_depth_image(scene.cloud, *camera), test.noise};
+}
+
 /// By the truth that the result comes nearest to.
-Evaluation best_evaluation(const Result& result, const TestScene& test, const Scene& scene, const PoseJudge& judge) {
-  JudgedFrame frame{{}, {}, test.noise};
-  if (scene.depth) {
-    frame.camera = *scene.intrinsics;
-    frame.depth = *scene.depth;
-  } else if (const auto camera = test.camera ? test.camera : intrinsics_of(before_camera(scene.cloud))) {
-    frame.camera = *camera;
-    frame.depth = to_depth_image(scene.cloud, *camera);
-  } else {
-    return evaluate(result, test.truths[0]);  // nothing that a camera could see
-  }
+Evaluation best_evaluation(const Result& result, const TestScene& test, const std::optional<JudgedFrame>& frame,
+                           const PoseJudge& judge) {
+  if (!frame) return evaluate(result, test.truths[0]);
   const auto rank = [](const Evaluation& e) {
     return std::tuple(!e.recognized_correctly, e.mssd_mm.value_or(0), e.translation_error_mm + e.rotation_error_deg);
   };
-  Evaluation best = judge.judge(result, test.truths[0], frame);
+  Evaluation best = judge.judge(result, test.truths[0], *frame);
   for (std::size_t i = 1; i < test.truths.size(); ++i) {
-    const Evaluation other = judge.judge(result, test.truths[i], frame);
+    const Evaluation other = judge.judge(result, test.truths[i], *frame);
     if (rank(other) < rank(best)) best = other;
   }
   return best;
+}
+
+/// Of a frame whose part is right.
+BoundRecord bound_of(const Result& result, const TestScene& test, const PoseJudge& judge) {
+  const GroundTruth& truth = test.truths[0];
+  const TriangleMesh& mesh = judge.mesh(truth.model_name);
+  BoundRecord out;
+  if (judge.is_continuous(truth.model_name)) return out;
+  const PoseBound bound = pose_bound(mesh, truth.camera_from_model, *test.camera, test.range_noise_mm);
+  out.determined = bound.determined;
+  if (!out.determined) return out;
+  out.rotation_deg = bound.rotation_deg();
+  out.translation_mm = bound.translation_mm();
+  const Eigen::Isometry3d nearest =
+      judge.nearest_equivalent(truth.model_name, result.T_final, truth.camera_from_model);
+  const Eigen::Vector3d middle = bounding_box(mesh).center();
+  out.rotation_error_deg = rotation_error_deg(result.T_final, nearest);
+  out.translation_error_mm = (result.T_final * middle - nearest * middle).norm();
+  return out;
 }
 
 class Experiment {
@@ -194,7 +224,10 @@ std::vector<TestScene> Experiment::all_scenes(const PartGroup& group, const Expe
                         read,
                         {{model.name, test.camera_from_model(m, v), model.id, view_id}},
                         camera.intrinsics(),
-                        AmbiguityOptions::of(camera.noise)});
+                        AmbiguityOptions::of(camera.noise),
+                        {},
+                        camera.noise.model == "gaussianray" ? camera.noise.standard_deviation_mm : 0.0});
+      scenes.back().objects = one_object(scenes.back().truths);
     }
   }
   return scenes;
@@ -216,7 +249,8 @@ std::vector<TestScene> Experiment::captured_scenes(const PartGroup& group, const
     for (const auto& pose : scene.camera_from_model) truths.push_back({scene.model_name, pose});
     if (truths.empty()) truths.push_back({});
     scenes.push_back(
-        {scene.path.filename().string(), [path = scene.path] { return read_scene(path); }, truths, {}, {}});
+        {scene.path.filename().string(), [path = scene.path] { return read_scene(path); }, truths, {}, {},
+         one_object(truths)});
   }
   return scenes;
 }
@@ -248,8 +282,13 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
   for (const auto& [scene_id, bop_scene] : drawn.bop.scenes) {
     for (const auto& image : bop_scene.images) {
       std::vector<GroundTruth> truths;
-      for (const auto& truth : image.ground_truths)
+      std::vector<ObjectTruth> objects;
+      for (const auto& truth : image.ground_truths) {
         truths.push_back({drawn.part_names.at(truth.obj_id), truth.camera_from_model, truth.obj_id});
+        objects.push_back({drawn.part_names.at(truth.obj_id),
+                           {truth.camera_from_model},
+                           truth.visibility ? truth.visibility->visib_fract : 1.0});
+      }
       if (truths.empty()) truths.push_back({});
       const auto read = [bop_scene, image] {
         Scene scene;
@@ -259,7 +298,7 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
         scene.cloud = to_point_cloud(*scene.depth, *scene.intrinsics);
         return scene;
       };
-      scenes.push_back({fmt::format("scene_{}_image_{}", scene_id, image.id), read, truths, {}, noise});
+      scenes.push_back({fmt::format("scene_{}_image_{}", scene_id, image.id), read, truths, {}, noise, objects});
     }
   }
   return scenes;
@@ -366,7 +405,13 @@ FrameRecord Experiment::recognize(const TestScene& test, const PartRecognizer& r
   const Recognition recognition = recognizer.recognize(scene);
   record.frame = test.name;
   record.result = recognition.result;
-  record.evaluation = best_evaluation(recognition.result, test, scene, judge);
+  const auto frame = judged_frame(test, scene);
+  record.evaluation = best_evaluation(recognition.result, test, frame, judge);
+  if (frame)
+    record.objects = judge_objects(detections_of(recognition, recognizer.catalogue()),
+                                   record.left_out ? std::vector<ObjectTruth>{} : test.objects, judge, *frame);
+  if (test.range_noise_mm > 0 && record.evaluation.recognized_correctly && !record.left_out)
+    record.bound = bound_of(recognition.result, test, judge);
   if (record.left_out) record.evaluation.recognized_correctly = recognition.accepted < 0;
   for (const auto& candidate : recognition.candidates) {
     if (candidate.score <= record.score) continue;
