@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 namespace partpose {
@@ -69,9 +70,20 @@ class Grid {
 using Cells = std::vector<int>;  ///< indices into a Grid, rising
 
 struct CutPlane {
-  InverseDepthPlane plane;
+  FlatSurface plane;
   float cut_mm = 0;  ///< what lies nearer to it belongs to it
 };
+
+/// The powers x^i y^j of a FlatSurface's bend.
+std::array<float, FlatSurface::terms> powers(const Eigen::Vector3f& ray) {
+  std::array<float, FlatSurface::terms> out;
+  float y = 1;
+  for (int j = 0, k = 0; j <= FlatSurface::degree; ++j, y *= ray.y()) {
+    float x = y;
+    for (int i = 0; i + j <= FlatSurface::degree; ++i, x *= ray.x()) out[k++] = x;
+  }
+  return out;
+}
 
 /// Splits a frame's cells into what may be single objects.
 class Splitter {
@@ -160,14 +172,14 @@ class Splitter {
     // Wide enough for the waves that a stereo camera sees on a flat table, about 1 % of the distance.
     const float threshold = std::clamp(0.01f * z[z.size() / 2], 3.0f, 50.0f);
 
-    const auto votes_for = [&](const InverseDepthPlane& plane, const Cells& of) {
+    const auto votes_for = [&](const FlatSurface& plane, const Cells& of) {
       const float tolerance = threshold * plane.q.norm();
       int votes = 0;
       for (const int cell : of) votes += std::abs(1 - grid_.z_mm[cell] * plane.q.dot(grid_.ray(cell))) < tolerance;
       return votes;
     };
     Random random(1);
-    InverseDepthPlane best;
+    FlatSurface best;
     int most_votes = 0;
     constexpr int most_draws = 150;
     for (int draw = 0, enough = most_draws; draw < enough; ++draw) {
@@ -179,7 +191,7 @@ class Splitter {
         inverse[k] = 1 / grid_.z_mm[cell];
       }
       if (std::abs(rays.determinant()) < 1e-7f) continue;
-      InverseDepthPlane plane;
+      FlatSurface plane;
       plane.q = rays.inverse() * inverse;
       if (!plane.q.allFinite() || !(plane.q.norm() > 0)) continue;
       const int votes = votes_for(plane, voters);
@@ -218,8 +230,54 @@ class Splitter {
     }
     if (on_it < smallest_share * static_cast<double>(some.size())) return std::nullopt;
     best.rms_mm = std::sqrt(squared / static_cast<float>(std::max(on_it, 1)));
+    if (!is_too_large(every_nth(2000))) return CutPlane{best, std::clamp(3 * best.rms_mm, 1.5f, threshold)};
+    bend(best, every_nth(2500), threshold);
     // Cut by the noise that the plane shows, so that the feet of flat parts stay.
-    return CutPlane{best, std::clamp(3 * best.rms_mm, 1.5f, threshold)};
+    return CutPlane{best, std::clamp(2.7f * best.rms_mm, 1.5f, threshold)};
+  }
+
+  /// Fits the bend to what lies on the plane, robustly: the slow waves of a camera, not the parts on the table.
+  void bend(FlatSurface& plane, const Cells& cells, float threshold) const {
+    constexpr int terms = FlatSurface::terms;
+    using Terms = Eigen::Matrix<float, terms, 1>;
+    std::vector<Terms> rows;
+    std::vector<float> height;
+    const float per_mm = 1 / plane.q.norm();
+    for (const int cell : cells) {
+      const Eigen::Vector3f ray = grid_.ray(cell);
+      const float h = (1 - grid_.z_mm[cell] * plane.q.dot(ray)) * per_mm;
+      if (std::abs(h) >= 1.5f * threshold) continue;
+      rows.emplace_back(powers(ray).data());
+      height.push_back(h);
+    }
+    if (rows.size() < 20 * terms) return;
+    float scale = threshold;
+    Terms solution = Terms::Zero();
+    for (int round = 0; round < 4; ++round) {
+      Eigen::Matrix<float, terms, terms> normal = Eigen::Matrix<float, terms, terms>::Zero();
+      Terms right = Terms::Zero();
+      float squared = 0, weights = 0;
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const float share = (height[i] - rows[i].dot(solution)) / scale;
+        if (std::abs(share) >= 1) continue;
+        const float weight = (1 - share * share) * (1 - share * share);
+        normal.selfadjointView<Eigen::Lower>().rankUpdate(rows[i], weight);
+        right += weight * height[i] * rows[i];
+        squared += weight * share * share;
+        weights += weight;
+      }
+      if (!(weights > 10 * terms)) return;
+      if (round > 0) plane.rms_mm = scale * std::sqrt(squared / weights);
+      // A little stiffness where nothing of the plane is seen.
+      normal.diagonal().array() += 1e-5f * weights;
+      const Eigen::Matrix<double, terms, terms> full = normal.cast<double>().selfadjointView<Eigen::Lower>();
+      solution = full.ldlt().solve(right.cast<double>()).cast<float>();
+      if (!solution.allFinite()) return;
+      std::copy_n(solution.data(), terms, plane.bend_mm.begin());
+      scale = std::clamp(4.7f * (round > 0 ? plane.rms_mm : 0.5f * threshold), 1.5f, threshold);
+    }
+    // Tukey's weights leave out the tails: of normal noise a seventh of the deviation.
+    plane.rms_mm *= 1.15f;
   }
 
   float height_mm(const CutPlane& cut, int cell) const { return cut.plane.height_mm(grid_.ray(cell), grid_.z_mm[cell]); }
@@ -241,9 +299,16 @@ class Splitter {
   void remove_plane_and_split(const Cells& cells, const CutPlane& plane, int level) {
     Cells remaining, on_plane;
     const Eigen::Vector3f q = plane.plane.q;
-    const float tolerance = plane.cut_mm * q.norm();
-    for (const int cell : cells)
-      (std::abs(1 - grid_.z_mm[cell] * q.dot(grid_.ray(cell))) > tolerance ? remaining : on_plane).push_back(cell);
+    const float per_mm = 1 / q.norm();
+    std::array<float, FlatSurface::degree + 1> bend{};
+    for (int row = -1; const int cell : cells) {
+      if (cell / grid_.width != row) bend = plane.plane.bend_along_x(grid_.ray_y[row = cell / grid_.width]);
+      const float x = grid_.ray_x[cell % grid_.width];
+      float bent = bend.back();
+      for (int i = FlatSurface::degree - 1; i >= 0; --i) bent = bent * x + bend[i];
+      const float height = (1 - grid_.z_mm[cell] * (q.x() * x + q.y() * grid_.ray_y[row] + q.z())) * per_mm - bent;
+      (std::abs(height) > plane.cut_mm ? remaining : on_plane).push_back(cell);
+    }
     // Taken away wherever it shows, also through a part's holes.
     split(remaining, plane, level);
     if (level == 0) return;
@@ -261,7 +326,7 @@ class Splitter {
     for (auto& piece : connected(remaining)) {
       if (static_cast<int>(piece.size()) < min_cells_) continue;
       if (is_plausible(piece)) {
-        if (stands_out(piece, plane)) add({std::move(piece), plane});
+        if (stands_out(piece, plane, level)) add({std::move(piece), plane});
       } else if (level + 1 < most_levels && is_too_large(piece)) {
         if (const auto next = dominant_plane(piece)) remove_plane_and_split(piece, *next, level + 1);
       }
@@ -274,12 +339,16 @@ class Splitter {
     if (!known) pieces.push_back(std::move(piece));
   }
 
-  /// Not just a wave of the plane that was taken away beside it.
-  bool stands_out(const Cells& cells, const CutPlane& plane) const {
-    std::vector<float> distance;
-    for (const int cell : cells) distance.push_back(std::abs(height_mm(plane, cell)));
-    const auto high = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() * 9 / 10);
-    std::nth_element(distance.begin(), high, distance.end());
+  /// Not just a wave of the plane that was taken away beside it, and not what is seen beyond a table's edge.
+  bool stands_out(const Cells& cells, const CutPlane& plane, int level) const {
+    std::vector<float> height;
+    for (const int cell : cells) height.push_back(height_mm(plane, cell));
+    const auto middle = height.begin() + static_cast<std::ptrdiff_t>(height.size() / 2);
+    std::nth_element(height.begin(), middle, height.end());
+    if (level == 0 && *middle < 0 && !whole_frame) return false;
+    for (float& h : height) h = std::abs(h);
+    const auto high = height.begin() + static_cast<std::ptrdiff_t>(height.size() * 9 / 10);
+    std::nth_element(height.begin(), high, height.end());
     return *high > 1.7f * plane.cut_mm;
   }
 
@@ -343,8 +412,6 @@ class PixelLabels {
     FrameObject object;
     object.labels.set(label);
     object.u0 = depth.width, object.v0 = depth.height;
-    const Eigen::Vector3f q = piece.plane.plane.q;
-    const float tolerance = piece.plane.cut_mm * q.norm();
     const auto fx = static_cast<float>(1 / frame_.camera.fx), fy = static_cast<float>(1 / frame_.camera.fy);
     const auto cx = static_cast<float>(frame_.camera.cx), cy = static_cast<float>(frame_.camera.cy);
     for (int v = std::max(0, (cv0 - 1) * s + 1); v < std::min(depth.height, (cv1 + 1) * s); ++v) {
@@ -353,7 +420,7 @@ class PixelLabels {
         const float z = depth.z_mm[p];
         if (!(z > 0) || frame_.label[p] != FramePieces::background || !is_near(u, v, z, label)) continue;
         const Eigen::Vector3f ray((static_cast<float>(u) - cx) * fx, (static_cast<float>(v) - cy) * fy, 1);
-        if (std::abs(1 - z * q.dot(ray)) <= tolerance) continue;
+        if (std::abs(piece.plane.plane.height_mm(ray, z)) <= piece.plane.cut_mm) continue;
         frame_.label[p] = label;
         ++object.pixels;
         object.u0 = std::min(object.u0, u), object.u1 = std::max(object.u1, u);
@@ -390,8 +457,8 @@ FrameObject together(const FrameObject& a, const FrameObject& b) {
   return out;
 }
 
-/// Pairs of pieces that nearly touch in the image and are together no larger than a part, the largest first.
-void add_pairs(FramePieces& frame, const Splitter& splitter, const Grid& grid, const FramePiecesOptions& options) {
+/// Pairs of pieces that nearly touch in the image and are together no larger than a part, and larger groups of such.
+void add_groups(FramePieces& frame, const Splitter& splitter, const Grid& grid, const FramePiecesOptions& options) {
   constexpr int near_px = 8;
   const int reach = std::max(1, near_px / grid.stride);
   const std::size_t count = frame.objects.size();
@@ -416,18 +483,52 @@ void add_pairs(FramePieces& frame, const Splitter& splitter, const Grid& grid, c
       }
     return false;
   };
+  const auto fits = [&](std::size_t a, std::size_t b) {
+    return box[a].merged(box[b]).sizes().maxCoeff() <= options.largest_part_mm;
+  };
   std::vector<FrameObject> pairs;
+  UnionFind groups(count);
   for (std::size_t a = 0; a < count; ++a)
-    for (std::size_t b = a + 1; b < count; ++b)
-      if (box[a].merged(box[b]).sizes().maxCoeff() <= options.largest_part_mm && touch(a, b))
-        pairs.push_back(together(frame.objects[a], frame.objects[b]));
+    for (std::size_t b = a + 1; b < count; ++b) {
+      if (!fits(a, b) || !touch(a, b)) continue;
+      pairs.push_back(together(frame.objects[a], frame.objects[b]));
+      groups.join(static_cast<int>(a), static_cast<int>(b));
+    }
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const FrameObject& a, const FrameObject& b) { return a.pixels > b.pixels; });
   if (static_cast<int>(pairs.size()) > options.most_pairs) pairs.resize(options.most_pairs);
+  // All that hangs together, where it may be one part.
+  std::map<int, std::vector<std::size_t>> members;
+  for (std::size_t k = 0; k < count; ++k) members[groups.find(static_cast<int>(k))].push_back(k);
+  for (const auto& [root, group] : members) {
+    if (group.size() < 3) continue;
+    FrameObject all = frame.objects[group[0]];
+    Eigen::AlignedBox3f all_box = box[group[0]];
+    for (const std::size_t k : group) {
+      if (k != group[0]) all = together(all, frame.objects[k]);
+      all_box.extend(box[k]);
+    }
+    if (all_box.sizes().maxCoeff() <= size_margin * options.largest_part_mm) pairs.push_back(all);
+  }
   frame.objects.insert(frame.objects.end(), pairs.begin(), pairs.end());
 }
 
 }  // namespace
+
+std::array<float, FlatSurface::degree + 1> FlatSurface::bend_along_x(float ray_y) const {
+  std::array<float, degree + 1> out{};
+  float y = 1;
+  for (int j = 0, k = 0; j <= degree; ++j, y *= ray_y)
+    for (int i = 0; i + j <= degree; ++i) out[i] += y * bend_mm[k++];
+  return out;
+}
+
+float FlatSurface::height_mm(const Eigen::Vector3f& ray, float z_mm) const {
+  const auto bend = bend_along_x(ray.y());
+  float bent = bend.back();
+  for (int i = degree - 1; i >= 0; --i) bent = bent * ray.x() + bend[i];
+  return (1 - z_mm * q.dot(ray)) / q.norm() - bent;
+}
 
 FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options) {
   FramePieces frame;
@@ -442,7 +543,7 @@ FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const
   const Splitter splitter(grid, camera, options);
   if (splitter.table) frame.table = splitter.table->plane;
   const PixelLabels labels(frame, grid, splitter);
-  if (frame.objects.size() > 1) add_pairs(frame, splitter, grid, options);
+  if (frame.objects.size() > 1) add_groups(frame, splitter, grid, options);
   if (splitter.whole_frame) {
     FrameObject whole;
     whole.whole_frame = true;

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <bitset>
 #include <cstdint>
 #include <optional>
@@ -30,13 +31,20 @@ struct FrameObject {
   int pixels = 0;
 };
 
-/// A plane by its inverse depths: 1 / z = q . (x / z, y / z, 1). A stereo camera's noise is the same all over it.
-struct InverseDepthPlane {
-  Eigen::Vector3f q = Eigen::Vector3f::Zero();
-  float rms_mm = 0;  ///< of the distances of what lies on it
+/// A table, a wall or a floor as a camera sees it: a plane by its inverse depths, 1 / z = q . (x / z, y / z, 1), in which
+/// a stereo camera's noise is the same everywhere, and how the camera bends it: a polynomial over the image.
+struct FlatSurface {
+  static constexpr int degree = 4;
+  static constexpr int terms = (degree + 1) * (degree + 2) / 2;
 
-  /// How far a point lies on the camera's side of it; `ray` is the point over its z.
-  float height_mm(const Eigen::Vector3f& ray, float z_mm) const { return (1 - z_mm * q.dot(ray)) / q.norm(); }
+  Eigen::Vector3f q = Eigen::Vector3f::Zero();
+  std::array<float, terms> bend_mm{};  ///< of x^i y^j, (x, y, 1) being the ray: i + j <= degree, by rising j, then i
+  float rms_mm = 0;                    ///< of the heights of what lies on it
+
+  /// The polynomial at one y, by its powers of x.
+  std::array<float, degree + 1> bend_along_x(float ray_y) const;
+  /// How far a point lies on the camera's side; `ray` is the point over its z.
+  float height_mm(const Eigen::Vector3f& ray, float z_mm) const;
 };
 
 /// A frame with what may be single objects in it. The depth image must outlive it.
@@ -46,7 +54,7 @@ struct FramePieces {
   /// Of each pixel, row by row: 0: not measured; 1: background; else a piece.
   std::vector<std::uint8_t> label;
   std::vector<FrameObject> objects;        ///< largest first
-  std::optional<InverseDepthPlane> table;  ///< the dominant plane, where there is one
+  std::optional<FlatSurface> table;  ///< the dominant plane, where there is one
 
   static constexpr std::uint8_t not_measured = 0, background = 1, first_piece = 2;
 };
@@ -54,7 +62,7 @@ struct FramePieces {
 /// Takes the dominant plane (table, wall) away, splits what is left where depth jumps, and drops what is too large or
 /// too small for any part; in a piece that is too large another plane is looked for. Where the whole frame is no larger
 /// than a part, it is an object too: the frame may show a part without a table. Pieces that nearly touch are objects
-/// together as well: a part may hide its own middle. Works on every second pixel (or n-th: about 80,000) and tells
+/// together as well, two of them or all: a part may hide its own middle. Works on every second pixel (or n-th: about 80,000) and tells
 /// the others by them.
 FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options);
 
