@@ -11,6 +11,7 @@
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/evaluation/cramer_rao.hpp"
 #include "partpose/evaluation/experiment_tables.hpp"
+#include "partpose/evaluation/failures.hpp"
 #include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
@@ -19,6 +20,7 @@
 #include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/global_pipeline.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
+#include "partpose/pipeline/picture.hpp"
 #include "partpose/pipeline/recognizer.hpp"
 #include "partpose/preprocess/segmentation.hpp"
 #include "partpose/synthesis/bop_scenes.hpp"
@@ -165,6 +167,8 @@ class Experiment {
   FrameRecord recognize(const TestScene& scene, const PartRecognizer& recognizer, const PoseJudge& judge,
                         const GlobalPipelineConfig& config, FrameRecord record) const;
   void keep(const FrameRecord& record);
+  /// One page of pictures for the failing frames of a run, sorted by what went wrong, and a list of them.
+  void draw_failures(const std::string& run, const std::vector<TestScene>& scenes, const PoseJudge& judge) const;
   /// The output of frames that were killed before their line was written: they are recognized again.
   void remove_unfinished_folders(const std::set<fs::path>& kept) const;
 
@@ -352,12 +356,13 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
   blank.descriptor = descriptor;
   blank.left_out = protocol.left_out;
 
+  const std::vector<TestScene> shown = scenes(group, protocol);
   std::vector<TestScene> left;
-  for (auto& scene : scenes(group, protocol)) {
+  for (const auto& scene : shown) {
     if (finished_.count({blank.run, scene.name}))
       ++done_;
     else
-      left.push_back(std::move(scene));
+      left.push_back(scene);
   }
   if (left.empty()) return;
 
@@ -397,6 +402,51 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
       for (std::size_t i = 0; i < count; ++i) one(i);
     begin = end;
   }
+  if (spec_.save_frames != "none") draw_failures(blank.run, shown, judge);
+}
+
+void Experiment::draw_failures(const std::string& run, const std::vector<TestScene>& scenes,
+                               const PoseJudge& judge) const {
+  std::vector<std::pair<Failure, FrameRecord>> failures;
+  for (auto& record : read_frame_records(output_))
+    if (record.run == run)
+      if (const auto failure = failure_of(record)) failures.emplace_back(*failure, std::move(record));
+  std::sort(failures.begin(), failures.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first, a.second.frame) < std::tie(b.first, b.second.frame);
+  });
+  const fs::path folder = output_ / "failures";
+  const std::string name = file_name_of(run);
+  fs::remove(folder / (name + ".png"));
+  fs::remove(folder / (name + ".md"));
+  if (failures.empty()) return;
+  constexpr std::size_t most_pictures = 60;
+  constexpr int columns = 4;
+  const std::size_t drawn = std::min(failures.size(), most_pictures);
+  std::string list = fmt::format(
+      "# Failing frames: {}\n\n![failing frames]({}.png)\n\nRow by row as in the picture{}. Green: where the objects "
+      "are; orange: what was recognized.\n\n| row, column | what went wrong | frame | shown | recognized as | score | "
+      "MSSD / diameter [%] |\n|---|---|---|---|---|---:|---:|\n",
+      run, name, drawn < failures.size() ? fmt::format(", which has the first {}", drawn) : "");
+  std::vector<ColourImage> pictures(drawn);
+  const auto draw_one = [&](std::size_t i) {
+    const FrameRecord& record = failures[i].second;
+    const auto scene = std::find_if(scenes.begin(), scenes.end(), [&](const auto& s) { return s.name == record.frame; });
+    const auto frame = scene == scenes.end() ? std::nullopt : judged_frame(*scene, scene->read());
+    pictures[i] = frame ? picture_of_failure(record, scene->objects, judge, *frame)
+                        : draw_overlay(DepthImage(320, 240), {320, 240, 300, 300, 159.5, 119.5}, std::nullopt);
+  };
+  parallel_for(drawn, draw_one);
+  for (std::size_t i = 0; i < failures.size(); ++i) {
+    const auto& [failure, record] = failures[i];
+    const Evaluation& e = record.evaluation;
+    list += fmt::format("| {} | {} | {} | {} | {} | {:.3f} | {} |\n",
+                        i < drawn ? fmt::format("{}, {}", i / columns + 1, i % columns + 1) : "-", name_of(failure),
+                        record.frame, e.ground_truth_model_name, record.result.model_name, record.score,
+                        e.mssd_mm && e.diameter_mm ? fmt::format("{:.1f}", 100 * *e.mssd_mm / *e.diameter_mm) : "-");
+  }
+  fs::create_directories(folder);
+  write_png(folder / (name + ".png"), tile(pictures, columns));
+  write_file_atomically(folder / (name + ".md"), list);
 }
 
 FrameRecord Experiment::recognize(const TestScene& test, const PartRecognizer& recognizer, const PoseJudge& judge,
