@@ -14,12 +14,12 @@ namespace partpose {
 
 namespace {
 
-/// The smallest difference in depth to a pixel's neighbours that `counts`; infinite when none does.
+/// The smallest difference in depth to the pixels within `reach` that `count`; infinite when none does.
 template <typename Counts>
-float smallest_near(float z_mm, int u, int v, const DepthImage& other, const Counts& counts) {
+float smallest_near(float z_mm, int u, int v, int reach, const DepthImage& other, const Counts& counts) {
   float smallest = std::numeric_limits<float>::infinity();
-  for (int vv = std::max(v - 1, 0); vv <= std::min(v + 1, other.height - 1); ++vv)
-    for (int uu = std::max(u - 1, 0); uu <= std::min(u + 1, other.width - 1); ++uu)
+  for (int vv = std::max(v - reach, 0); vv <= std::min(v + reach, other.height - 1); ++vv)
+    for (int uu = std::max(u - reach, 0); uu <= std::min(u + reach, other.width - 1); ++uu)
       if (counts(static_cast<std::size_t>(vv) * other.width + uu))
         smallest = std::min(smallest, std::abs(z_mm - other.at(uu, vv)));
   return smallest;
@@ -48,13 +48,8 @@ class LogDensity {
 
 }  // namespace
 
-double DepthComparison::score() const {
-  const int judged = model + object;
-  return judged > 0 ? soft / judged : 0.0;
-}
-
 DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
-                              const LabelledDepth& frame, const SensorModel& sensor) {
+                              const FrameWindow& frame, const SensorModel& sensor) {
   const DepthImage rendered = render(mesh, camera_from_model, frame.camera).depth;
   const auto is_object = [&](std::size_t p) { return frame.label[p] == PixelLabel::object; };
   const auto is_model = [&](std::size_t p) { return rendered.z_mm[p] > 0; };
@@ -62,18 +57,21 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
   const LogDensity log_density(sensor);
   const auto noise_mm = static_cast<float>(sensor.noise_mm);
   constexpr float log_edge = -1;  // a depth that only a neighbour explains: an outline moved by a pixel
-  constexpr float never = -100;
   const auto log_outlier = static_cast<float>(std::log(sensor.outlier));
   const auto log_hole = static_cast<float>(std::log(sensor.hole));
   const auto log_hidden = static_cast<float>(std::log(sensor.hidden));
-  const auto log_match = static_cast<float>(std::log(1 - sensor.hole - sensor.hidden));
+  const auto log_match = static_cast<float>(std::log(1 - sensor.hole));
   const auto agreement = [&](float difference_mm) {
     const float t = difference_mm / (3 * noise_mm);
     return std::max(0.0f, 1 - t * t);
   };
 
+  constexpr float outline_weight = 0.25f, nothing_weight = 0.5f, hidden_weight = 0.15f;
+  const auto log_outline = static_cast<float>(std::log(0.5));
+  const int reach = std::max(sensor.outline_px, 1);
+
   DepthComparison out;
-  double log_likelihood = 0, soft = 0;
+  double log_likelihood = 0, soft = 0, judged = 0, squared = 0;
   for (int v = 0; v < rendered.height; ++v) {
     for (int u = 0; u < rendered.width; ++u) {
       const std::size_t p = static_cast<std::size_t>(v) * rendered.width + u;
@@ -83,48 +81,70 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
       if (model) ++out.model;
       if (model && object) {
         const float here = std::abs(model_z - measured_z);
-        // Where the depths agree at once, the neighbours are not asked.
+        // Beside an edge the foreground may have won. Where the depths agree at once, the neighbours are not asked.
         const bool sure = here <= noise_mm;
-        const float measured_near = sure ? here : smallest_near(model_z, u, v, frame.depth, is_object);
-        const float model_near = sure ? here : smallest_near(measured_z, u, v, rendered, is_model);
-        const float agree = agreement(measured_near), agree_back = agreement(model_near);
+        const float near = sure ? here : smallest_near(measured_z, u, v, reach, rendered, is_model);
+        const float agree = agreement(near);
         out.explained += agree > 0;
-        out.unexplained += agree_back <= 0;
-        soft += agree + agree_back;
-        log_likelihood += log_match + std::max(log_density(here), log_edge + log_density(model_near));
+        out.unexplained += agree <= 0;
+        soft += 2 * agree;
+        judged += 2;
+        const float t = here / noise_mm;
+        squared += std::min(t * t, 9.0f);
+        ++out.compared;
+        log_likelihood += log_match + std::max(log_density(here), log_edge + log_density(near));
       } else if (model) {
-        const float near = smallest_near(model_z, u, v, frame.depth, is_object);
-        const float by_neighbour = near < 3 * noise_mm ? log_edge : never;
-        float agree = agreement(near);
-        out.explained += agree > 0;
-        if (frame.label[p] == PixelLabel::nothing) {
+        const float near = smallest_near(model_z, u, v, reach, frame.depth, is_object);
+        if (std::isfinite(near)) {
+          ++out.model_outline;
+          out.explained += near < 3 * noise_mm;
+          soft += outline_weight * agreement(near);
+          judged += outline_weight;
+          log_likelihood += near < 3 * noise_mm ? log_outline : log_outlier;
+        } else if (frame.label[p] == PixelLabel::nothing) {
           ++out.nothing;
-          agree = std::max(agree, 0.4f);
-          log_likelihood += std::max(log_hole, by_neighbour);
-        } else if (model_z < measured_z - 6 * noise_mm) {
+          judged += nothing_weight;
+          log_likelihood += log_hole;
+        } else if (model_z < measured_z - 4 * noise_mm) {
           ++out.free_space;
-          log_likelihood += std::max(log_outlier, by_neighbour);
-        } else if (model_z < measured_z + 6 * noise_mm) {
-          // Measured, but cut off from the object, as what lies low on a table is.
-          const float half = 0.5f * std::abs(model_z - measured_z);
-          agree = std::max(agree, 0.7f * agreement(half));
-          log_likelihood += std::max(std::min(0.0f, log_density(half)), by_neighbour);
+          judged += 1;
+          log_likelihood += log_outlier;
+        } else if (model_z < measured_z + 4 * noise_mm) {
+          // Measured, but taken for the table, as what lies low on it is: the likelier of the two.
+          const float t_part = (model_z - measured_z) / noise_mm;
+          const float t_table = frame.before_table_mm.empty() ? 0 : frame.before_table_mm[p] / noise_mm;
+          const float gain = 0.5f * (std::min(t_table * t_table, 16.0f) - t_part * t_part);
+          soft += 0.7f * agreement(0.5f * std::abs(model_z - measured_z));
+          judged += 1;
+          log_likelihood += std::clamp(gain, log_outlier, 3.0f);
+        } else if (!frame.before_table_mm.empty() && frame.label[p] == PixelLabel::background &&
+                   std::abs(frame.before_table_mm[p]) < 4 * noise_mm) {
+          ++out.below_table;
+          judged += 1;
+          log_likelihood += log_outlier;
         } else {
           ++out.hidden;
-          agree = std::max(agree, 0.35f);
-          log_likelihood += std::max(log_hidden, by_neighbour);
+          judged += hidden_weight;
+          log_likelihood += log_hidden;
         }
-        soft += agree;
       } else if (object) {
-        const float near = smallest_near(measured_z, u, v, rendered, is_model);
-        const float agree = agreement(near);
-        out.unexplained += agree <= 0;
-        soft += agree;
-        log_likelihood += std::max(log_outlier, log_edge + std::min(0.0f, log_density(near)));
+        const float near = smallest_near(measured_z, u, v, reach, rendered, is_model);
+        if (std::isfinite(near)) {
+          ++out.object_outline;
+          soft += outline_weight * agreement(near);
+          judged += outline_weight;
+          log_likelihood += near < 3 * noise_mm ? log_outline : log_outlier;
+        } else {
+          ++out.unexplained;
+          judged += 1;
+          log_likelihood += log_outlier;
+        }
       }
     }
   }
   out.soft = soft;
+  out.judged = judged;
+  out.squared_deviations = squared;
   out.log_likelihood = log_likelihood;
   out.best_log_likelihood = out.object * (log_match + log_density(0));
   return out;

@@ -8,33 +8,51 @@
 
 #include <Eigen/Geometry>
 
+#include <vector>
+
 namespace partpose {
 
 /// What a sensor does to the depth of a part, for the comparison of a rendering with a frame.
 struct SensorModel {
   double noise_mm = 1;    ///< standard deviation of a depth
   double outlier = 0.05;  ///< share of pixels that say nothing about the surface
-  double hole = 0.2;      ///< share of the part's pixels without a depth
-  double hidden = 0.05;   ///< share of the part's pixels where something else is before it
+  double hole = 0.15;     ///< share of the part's pixels without a depth
+  double hidden = 0.3;    ///< share of the part's pixels where something else is before it
+  int outline_px = 1;     ///< so far an object's outline may be off, in pixels of the comparison
   double size_mm = 100;   ///< the depths in question: where nothing is known, a depth is anywhere in it
 };
 
-/// A rendering against a frame, pixel by pixel, in both directions.
+/// The neighbourhood of an object in a frame, and the table there.
+struct FrameWindow : LabelledDepth {
+  std::vector<float> before_table_mm;  ///< how far each depth lies before the table; empty: there is no table
+
+  static constexpr float not_table_mm = 1e6f;  ///< of a pixel that belongs to an object
+};
+
+/// A rendering against a frame, pixel by pixel, in both directions. Next to an outline (`SensorModel::outline_px`) a
+/// camera may add to an object and take from it: such pixels say little.
 struct DepthComparison {
   int model = 0;                   ///< pixels where the part is rendered
   int explained = 0;               ///< of them: measured there within three deviations, or at a neighbour
   int free_space = 0;              ///< of them: before what was measured; the part cannot be there
-  int hidden = 0;                  ///< of them: behind what was measured, which is no part of the object
+  int below_table = 0;             ///< of them: beneath the table that was measured there; the part cannot be there
+  int hidden = 0;                  ///< of them: behind something else that was measured
   int nothing = 0;                 ///< of them: nothing was measured
+  int model_outline = 0;           ///< of them: not the object's, but next to it
   int object = 0;                  ///< pixels of the object
   int unexplained = 0;             ///< of them: no part is rendered there within three deviations, nor at a neighbour
+  int object_outline = 0;          ///< of them: not the part's, but next to it
+  double squared_deviations = 0;   ///< sum over the pixels that are explained at once, each at most nine
+  int compared = 0;                ///< their number
   double log_likelihood = 0;       ///< sum over the pixels; 0: what a surface of unknown shape would have
   double best_log_likelihood = 0;  ///< of a rendering that meets every object pixel exactly
-  double score() const;            ///< 1: the part explains all of the object and the object all of the part
   double soft = 0;                 ///< sum of the agreement of both directions, each pixel 0 to 1
+  double judged = 0;               ///< the most that this could be
+
+  double score() const { return judged > 0 ? soft / judged : 0; }  ///< 1: the two explain each other wholly
 };
 
 DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
-                              const LabelledDepth& frame, const SensorModel& sensor);
+                              const FrameWindow& frame, const SensorModel& sensor);
 
 }  // namespace partpose

@@ -59,15 +59,18 @@ SmallTemplate halved(const DepthTemplate& full) {
   SmallTemplate out;
   for (int v = 0; v < SmallTemplate::side; ++v)
     for (int u = 0; u < SmallTemplate::side; ++u) {
-      int sum = 0, seen = 0;
+      int sum = 0, seen = 0, unknown = 0;
       for (const auto& [du, dv] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
         const std::uint8_t cell = full.cell[(2 * v + dv) * DepthTemplate::side + 2 * u + du];
-        if (cell == DepthTemplate::background) continue;
+        unknown += cell == DepthTemplate::unknown;
+        if (cell >= DepthTemplate::unknown) continue;
         sum += cell;
         ++seen;
       }
       out.cell[v * SmallTemplate::side + u] =
-          seen < 2 ? SmallTemplate::background : static_cast<std::uint8_t>((sum + seen / 2) / seen);
+          unknown >= 2 ? SmallTemplate::unknown
+          : seen < 2   ? SmallTemplate::background
+                       : static_cast<std::uint8_t>((sum + seen / 2) / seen);
     }
   return out;
 }
@@ -76,18 +79,21 @@ template <int side>
 int capped_difference(const CellDepths<side>& a, const CellDepths<side>& b, int cap) {
 #ifdef __AVX2__
   const __m256i limit = _mm256_set1_epi8(static_cast<char>(cap));
+  const __m256i unknown = _mm256_set1_epi8(static_cast<char>(DepthTemplate::unknown));
   __m256i sum = _mm256_setzero_si256();
   for (int i = 0; i < CellDepths<side>::cells; i += 32) {
     const __m256i x = _mm256_load_si256(reinterpret_cast<const __m256i*>(&a.cell[i]));
     const __m256i y = _mm256_load_si256(reinterpret_cast<const __m256i*>(&b.cell[i]));
     const __m256i difference = _mm256_or_si256(_mm256_subs_epu8(x, y), _mm256_subs_epu8(y, x));
-    sum = _mm256_add_epi64(sum, _mm256_sad_epu8(_mm256_min_epu8(difference, limit), _mm256_setzero_si256()));
+    const __m256i counted = _mm256_andnot_si256(_mm256_cmpeq_epi8(y, unknown), _mm256_min_epu8(difference, limit));
+    sum = _mm256_add_epi64(sum, _mm256_sad_epu8(counted, _mm256_setzero_si256()));
   }
   const __m128i halves = _mm_add_epi64(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
   return static_cast<int>(_mm_cvtsi128_si64(_mm_add_epi64(halves, _mm_unpackhi_epi64(halves, halves))));
 #else
   int sum = 0;
-  for (int i = 0; i < CellDepths<side>::cells; ++i) sum += std::min(std::abs(int{a.cell[i]} - int{b.cell[i]}), cap);
+  for (int i = 0; i < CellDepths<side>::cells; ++i)
+    if (b.cell[i] != DepthTemplate::unknown) sum += std::min(std::abs(int{a.cell[i]} - int{b.cell[i]}), cap);
   return sum;
 #endif
 }

@@ -17,6 +17,7 @@ struct CellDepths {
   static constexpr int side = side_cells;
   static constexpr int cells = side * side;
   static constexpr std::uint8_t background = 255;
+  static constexpr std::uint8_t unknown = 254;  ///< something else may hide what is there; agrees with anything
   static constexpr std::uint8_t nearest = 1, middle = 108, farthest = 215;
 
   alignas(32) std::array<std::uint8_t, cells> cell;
@@ -39,10 +40,10 @@ TemplateScale template_scale(double diameter_mm);
 DepthTemplate make_template(std::span<const Eigen::Vector3f> points_mm, double roll_rad, double point_spacing_mm,
                             const TemplateScale& scale);
 
-/// A cell is the mean of the four that it covers; background where most of them are.
+/// A cell is the mean of the four that it covers; background where most of them are, unknown where half of them are.
 SmallTemplate halved(const DepthTemplate& full);
 
-/// Sum over the cells of the absolute difference, none counted for more than `cap`.
+/// Sum over the cells of the absolute difference, none counted for more than `cap`; none where `b` is unknown.
 template <int side>
 int capped_difference(const CellDepths<side>& a, const CellDepths<side>& b, int cap);
 

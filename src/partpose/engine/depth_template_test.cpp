@@ -60,7 +60,8 @@ TEST(DepthTemplate, CappedDifferenceIsThePlainSum) {
     DepthTemplate a, b;
     for (int i = 0; i < DepthTemplate::cells; ++i) {
       a.cell[i] = static_cast<std::uint8_t>(random.below(256));
-      b.cell[i] = static_cast<std::uint8_t>(random.below(256));
+      b.cell[i] = static_cast<std::uint8_t>(random.below(DepthTemplate::unknown));
+      a.cell[i] = std::min<std::uint8_t>(a.cell[i], DepthTemplate::unknown - 1);
     }
     const int cap = 1 + static_cast<int>(random.below(255));
     int sum = 0;

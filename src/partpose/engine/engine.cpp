@@ -10,6 +10,7 @@
 #include "partpose/engine/frame_pieces.hpp"
 #include "partpose/engine/hypothesis.hpp"
 #include "partpose/engine/part_model.hpp"
+#include "partpose/engine/verdict.hpp"
 #include "partpose/preprocess/segmentation.hpp"
 #include "partpose/registration/projective_refinement.hpp"
 
@@ -26,12 +27,22 @@ namespace {
 struct Target {
   ObjectView view;
   double noise_mm;                     ///< of the depths about a part that fits: slow waves are in it
+  double extent_mm = 0;                ///< about the diameter of what is seen
+  double local_noise_mm;               ///< of the depths from pixel to pixel
   std::vector<Hypothesis> hypotheses;  ///< before the verification, best first
   std::vector<Candidate> candidates;   ///< best first
-  double best_score = 0;
+  std::vector<double> log_likelihoods;  ///< of the candidates, of the coarse comparison
+  double best_score = 0;               ///< probability_of_part of the best
+  std::string features;
+  Detection detection;                   ///< of the best candidate
+  std::vector<ProjectiveRefinement> fit;  ///< of the contenders, before they are put into order
 
-  Target(const FramePieces& frame, const FrameObject& object) : view(frame, object), noise_mm(view.noise_mm) {}
-  double evidence() const { return std::pow(best_score, 6) * std::sqrt(static_cast<double>(view.object->pixels)); }
+  Target(const FramePieces& frame, const FrameObject& object) : view(frame, object), noise_mm(view.noise_mm), local_noise_mm(std::max(partpose::local_noise_mm(frame, object), 0.05)) {
+    for (const auto& p : view.points.points_mm) extent_mm += (p.cast<double>() - view.all.centre_mm()).squaredNorm();
+    extent_mm = 3 * std::sqrt(extent_mm / std::max<double>(static_cast<double>(view.points.points_mm.size()), 1));
+  }
+  /// By which the frame's objects compete: how sure and how large.
+  double evidence() const { return best_score * std::sqrt(static_cast<double>(view.object->pixels)); }
 };
 
 class StageTimes {
@@ -67,8 +78,13 @@ DepthImage object_depth(const LabelledDepth& frame) {
   return depth;
 }
 
+/// So that about `wanted` of the object's pixels are looked at.
+int stride_for(const ObjectView& view, int wanted) {
+  return std::max(1, static_cast<int>(std::lround(std::sqrt(view.object->pixels / double(wanted)))));
+}
+
 /// The pixels that the object and the part at its pose cover, about `wanted` of them the object's.
-LabelledDepth about_part(const ObjectView& view, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
+FrameWindow about_part(const ObjectView& view, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
                          int wanted) {
   const Intrinsics& camera = view.frame->camera;
   double u0 = view.object->u0, u1 = view.object->u1, v0 = view.object->v0, v1 = view.object->v1;
@@ -80,7 +96,7 @@ LabelledDepth about_part(const ObjectView& view, const PartModel& model, const E
     u0 = std::min(u0, pixel.x()), u1 = std::max(u1, pixel.x());
     v0 = std::min(v0, pixel.y()), v1 = std::max(v1, pixel.y());
   }
-  const int stride = std::max(1, static_cast<int>(std::lround(std::sqrt(view.object->pixels / double(wanted)))));
+  const int stride = stride_for(view, wanted);
   // Beyond the frame nothing is known; some pixels of that will do.
   const auto pixel = [&](double x, double most) { return static_cast<int>(std::clamp(x, -40.0, most + 40)); };
   return window(*view.frame, *view.object, pixel(u0 - 2 * stride, camera.width), pixel(v0 - 2 * stride, camera.height),
@@ -107,9 +123,14 @@ struct Engine::Impl {
   /// Moves the contenders onto the data; returns the least that a fit leaves, in mm.
   double polish(Target& target) const;
   void decide(Target& target) const;
+  void describe(Target& target, const std::vector<std::pair<double, std::size_t>>& order) const;
   std::size_t contenders_of(const Target& target) const;
-  SensorModel sensor(const Target& target, int part) const {
-    return {.noise_mm = target.noise_mm, .size_mm = models[part]->diameter_mm};
+  /// For a comparison of every `stride`-th pixel.
+  SensorModel sensor(const Target& target, int stride) const {
+    constexpr int outline_px = 3;  // stereo matching makes outlines wider by half its window
+    return {.noise_mm = target.noise_mm,
+            .outline_px = (outline_px + stride - 1) / stride,
+            .size_mm = target.extent_mm};
   }
   Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
   std::vector<Detection> detections(const std::vector<Target>& targets) const;
@@ -118,6 +139,7 @@ struct Engine::Impl {
 
 Engine::Engine(Catalogue catalogue, EngineOptions options) : impl_(std::make_unique<Impl>()) {
   options.check();
+  if (getenv("PARTPOSE_DEV")) options.min_score = 0;
   impl_->catalogue = std::move(catalogue);
   impl_->options = options;
   const auto& parts = impl_->catalogue.parts;
@@ -266,15 +288,17 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   const auto by_evidence = [](const Target& a, const Target& b) { return a.evidence() > b.evidence(); };
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
   // Objects that a part hardly explains need no closer look.
-  while (!targets.empty() && targets.back().evidence() < 0.1 * targets.front().evidence()) targets.pop_back();
+  constexpr double hopeless = 0.02;
+  while (targets.size() > 1 && targets.back().best_score < hopeless) targets.pop_back();
   // What the likeliest object's best fit leaves is the frame's noise; what others leave beyond that speaks against
   // them. By the square law of triangulation it grows with the distance.
   double noise_per_mm2 = 0;
   for (auto& target : targets) {
     const double left_mm = time("polish", [&] { return impl_->polish(target); });
     const double z_mm = target.view.all.centre_mm().z();
+    // Not of a fit that is far beyond what is to be expected.
     if (&target == &targets[0] && std::isfinite(left_mm)) noise_per_mm2 = left_mm / (z_mm * z_mm);
-    if (noise_per_mm2 > 0) target.noise_mm = std::max(noise_per_mm2 * z_mm * z_mm, target.view.noise_mm);
+    target.noise_mm = std::clamp(noise_per_mm2 * z_mm * z_mm, target.view.noise_mm, 1.3 * target.view.noise_mm);
     time("decision", [&] { impl_->decide(target); });
   }
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
@@ -283,6 +307,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     return r;
   }
   r.detections = impl_->detections(targets);
+  if (getenv("PARTPOSE_DEV")) r.reason = targets[0].features;
   r.candidates = std::move(targets[0].candidates);
   const Candidate& best = r.candidates[0];
   if (best.score < impl_->options.min_score) {
@@ -305,11 +330,7 @@ std::vector<Detection> Engine::Impl::detections(const std::vector<Target>& targe
     const Candidate& best = target.candidates[0];
     if (best.score < options.min_score || (taken & target.view.object->labels).any()) continue;
     taken |= target.view.object->labels;
-    Detection detection;
-    detection.part = part_of(best);
-    detection.camera_from_model = best.camera_from_model;
-    detection.score = best.score;
-    out.push_back(std::move(detection));
+    out.push_back(target.detection);
   }
   return out;
 }
@@ -339,8 +360,6 @@ Candidate Engine::Impl::candidate_of(const Hypothesis& h, int id) const {
 
 void Engine::Impl::verify(Target& target) const {
   std::vector<Hypothesis> hypotheses = std::move(target.hypotheses);
-  // All points onto the surface; what is left of the best is the noise, with the slow waves in it.
-  std::vector<double> rms(hypotheses.size());
   const auto settle = [&](Hypothesis& h) {
     const PartModel& model = *models[h.part];
     const double end_mm = std::max(0.005 * model.diameter_mm, target.noise_mm);
@@ -351,29 +370,28 @@ void Engine::Impl::verify(Target& target) const {
     h.camera_from_model = refined.camera_from_model;
     return refined.rms_mm;
   };
-  parallel_for(hypotheses.size(), [&](std::size_t i) { rms[i] = settle(hypotheses[i]); });
-  double best_rms = std::numeric_limits<double>::infinity();
-  for (const double value : rms) best_rms = std::min(best_rms, value);
-  if (!hypotheses.empty())
-    target.noise_mm = std::max(target.noise_mm, std::min(best_rms, 0.01 * models[hypotheses[0].part]->diameter_mm));
-
+  parallel_for(hypotheses.size(), [&](std::size_t i) { settle(hypotheses[i]); });
   const auto compare = [&](const Hypothesis& h) {
     const PartModel& model = *models[h.part];
     return compare_depth(model.outline, h.camera_from_model,
-                         about_part(target.view, model, h.camera_from_model, coarse_pixels), sensor(target, h.part));
+                         about_part(target.view, model, h.camera_from_model, coarse_pixels),
+                         sensor(target, stride_for(target.view, coarse_pixels)));
   };
-  parallel_for(hypotheses.size(), [&](std::size_t i) { hypotheses[i].cost = -compare(hypotheses[i]).score(); });
+  parallel_for(hypotheses.size(), [&](std::size_t i) { hypotheses[i].cost = -compare(hypotheses[i]).log_likelihood; });
   sort_by_cost(hypotheses);
   // What nearly puts the part back onto itself, of the best few.
   std::vector<Hypothesis> more;
-  for (std::size_t i = 0; i < std::min<std::size_t>(hypotheses.size(), 3); ++i)
-    for (const auto& partner : models[hypotheses[i].part]->partners) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(hypotheses.size(), 3); ++i) {
+    const auto& partners = models[hypotheses[i].part]->partners;
+    const std::size_t tried = i == 0 ? partners.size() : std::min<std::size_t>(partners.size(), 3);
+    for (std::size_t k = 0; k < tried; ++k) {
       more.push_back(hypotheses[i]);
-      more.back().camera_from_model = hypotheses[i].camera_from_model * partner;
+      more.back().camera_from_model = hypotheses[i].camera_from_model * partners[k];
     }
+  }
   parallel_for(more.size(), [&](std::size_t i) {
-    // Far from fitting, it need not be rendered.
-    more[i].cost = settle(more[i]) < 3 * target.noise_mm ? -compare(more[i]).score() : 0;
+    settle(more[i]);
+    more[i].cost = -compare(more[i]).log_likelihood;
   });
   hypotheses.insert(hypotheses.end(), more.begin(), more.end());
   sort_by_cost(hypotheses);
@@ -381,16 +399,17 @@ void Engine::Impl::verify(Target& target) const {
   if (hypotheses.size() > 8) hypotheses.resize(8);
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     target.candidates.push_back(candidate_of(hypotheses[i], static_cast<int>(i)));
-    target.candidates.back().score = static_cast<float>(-hypotheses[i].cost);
+    target.log_likelihoods.push_back(-hypotheses[i].cost);
   }
-  target.best_score = target.candidates.empty() ? 0 : target.candidates[0].score;
+  target.best_score = hypotheses.empty() ? 0 : probability_of_part(compare(hypotheses[0]));
 }
 
+/// Those that a closer look may still put first.
 std::size_t Engine::Impl::contenders_of(const Target& target) const {
-  constexpr float share = 0.85f;
-  std::size_t contenders = 0;
+  const double margin = 0.15 * std::abs(target.log_likelihoods[0]) + 30;
+  std::size_t contenders = 1;
   while (contenders < std::min<std::size_t>(target.candidates.size(), 4) &&
-         target.candidates[contenders].score >= share * target.candidates[0].score)
+         target.log_likelihoods[contenders] > target.log_likelihoods[0] - margin)
     ++contenders;
   return contenders;
 }
@@ -398,7 +417,7 @@ std::size_t Engine::Impl::contenders_of(const Target& target) const {
 double Engine::Impl::polish(Target& target) const {
   auto& candidates = target.candidates;
   const std::size_t contenders = contenders_of(target);
-  std::vector<double> rms(contenders);
+  target.fit.resize(contenders);
   parallel_for(contenders, [&](std::size_t i) {
     Candidate& candidate = candidates[i];
     const PartModel& model = *models[part_of(candidate)];
@@ -410,10 +429,10 @@ double Engine::Impl::polish(Target& target) const {
     candidate.camera_from_model = refined.camera_from_model;
     candidate.icp_converged = std::isfinite(refined.rms_mm);
     candidate.icp_fitness = candidate.icp_converged ? static_cast<float>(refined.rms_mm) : -1;
-    rms[i] = refined.rms_mm;
+    target.fit[i] = refined;
   });
   double noise_mm = std::numeric_limits<double>::infinity();
-  for (const double value : rms) noise_mm = std::min(noise_mm, value);
+  for (const auto& fit : target.fit) noise_mm = std::min(noise_mm, fit.rms_mm);
   return noise_mm;
 }
 
@@ -426,25 +445,72 @@ void Engine::Impl::decide(Target& target) const {
     const PartModel& model = *models[part];
     comparison[i] = compare_depth(model.surface, candidates[i].camera_from_model,
                                   about_part(target.view, model, candidates[i].camera_from_model, fine_pixels),
-                                  sensor(target, part));
-    candidates[i].score = static_cast<float>(comparison[i].score());
+                                  sensor(target, stride_for(target.view, fine_pixels)));
+    candidates[i].score = static_cast<float>(probability_of_part(comparison[i]));
   });
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < contenders; ++i) order.emplace_back(-comparison[i].log_likelihood, i);
   std::sort(order.begin(), order.end());
+  if (getenv("PARTPOSE_DEV")) {
+    const auto& c = comparison[order[0].second];
+    const double second = contenders > 1 ? -order[1].first : -1e9;
+    target.features = fmt::format("F score {:.4f} llr {:.4f} unex {:.4f} free {:.4f} below {:.4f} hid {:.4f} nothing {:.4f} rim {:.4f} orim {:.4f} chi2 {:.4f} noise {:.3f} fit {:.3f} n {} stride {} margin {:.1f} diam {:.1f}", c.score(), c.log_likelihood / c.best_log_likelihood, double(c.unexplained)/c.object, double(c.free_space)/c.model, double(c.below_table)/c.model, double(c.hidden)/c.model, double(c.nothing)/c.model, double(c.model_outline)/c.model, double(c.object_outline)/c.object, c.squared_deviations/std::max(c.compared,1), target.view.noise_mm, candidates[order[0].second].icp_fitness, target.view.object->pixels, stride_for(target.view, fine_pixels), -order[0].first - second, models[part_of(candidates[order[0].second])]->diameter_mm);
+  }
   std::vector<Candidate> decided;
   for (const auto& [negative, i] : order) decided.push_back(candidates[i]);
   decided.insert(decided.end(), candidates.begin() + static_cast<std::ptrdiff_t>(contenders), candidates.end());
   candidates = std::move(decided);
   target.best_score = candidates[0].score;
+  describe(target, order);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     candidates[i].verified = true;
     candidates[i].verification.accepted = i == 0 && candidates[i].score >= options.min_score;
     candidates[i].verification.reason =
-        candidates[i].score < options.min_score
+        i >= contenders ? "explains the object far worse than another"
+        : candidates[i].score < options.min_score
             ? fmt::format("scores {:.2f}, below {:.2f}", candidates[i].score, options.min_score)
             : fmt::format("scores {:.2f}, but is less likely than another", candidates[i].score);
   }
+}
+
+/// The best candidate as a detection, with the others that may be right. `order`: the contenders by rising negative
+/// log-likelihood.
+void Engine::Impl::describe(Target& target, const std::vector<std::pair<double, std::size_t>>& order) const {
+  const int stride = stride_for(target.view, fine_pixels);
+  std::vector<double> log_likelihoods;
+  for (const auto& [negative, i] : order) log_likelihoods.push_back(-negative);
+  const std::vector<double> share = shares(log_likelihoods, stride);
+
+  const Candidate& best = target.candidates[0];
+  Detection& detection = target.detection;
+  detection.part = part_of(best);
+  detection.camera_from_model = best.camera_from_model;
+  detection.score = best.score;
+  const PartModel& model = *models[detection.part];
+  const auto& fit = target.fit[order[0].second];
+  detection.covariance =
+      pose_covariance(fit.hessian, fit.centre_mm, best.camera_from_model * model.middle_mm,
+                      {std::min(target.local_noise_mm, target.noise_mm), target.noise_mm}, stride, model.diameter_mm);
+
+  constexpr double least_share = 0.01;
+  double as_good = share[0];
+  for (std::size_t k = 1; k < share.size(); ++k) {
+    if (share[k] < least_share) continue;
+    const Candidate& other = target.candidates[k];
+    const int part = part_of(other);
+    const Eigen::Isometry3d model_from_model = best.camera_from_model.inverse() * other.camera_from_model;
+    const double tolerance_mm = std::max(0.01 * model.diameter_mm, 1.5 * target.noise_mm);
+    if (part == detection.part && model.is_symmetry(model_from_model, tolerance_mm)) {
+      as_good += share[k];
+      continue;
+    }
+    const Intrinsics camera = about_part(target.view, model, best.camera_from_model, fine_pixels).camera;
+    if (looks_the_same(model.surface, best.camera_from_model, models[part]->surface, other.camera_from_model, camera,
+                       sensor(target, stride)))
+      as_good += share[k];
+    detection.alternatives.push_back({part, other.camera_from_model, share[k] * best.score});
+  }
+  detection.confidence = best.score * as_good;
 }
 
 }  // namespace partpose

@@ -13,7 +13,9 @@ namespace partpose {
 
 /// What the Engine may be told; the defaults are meant for all parts and cameras.
 struct EngineOptions {
-  float min_score = 0.6f;  ///< a candidate that agrees less with the frame is not believed, 0 to 1
+  /// A part is believed when the probability that it is what is seen, by how they explain each other, is at least this,
+  /// 0 to 1.
+  float min_score = 0.5f;
 
   void check() const;
 };

@@ -563,9 +563,9 @@ FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const
   return frame;
 }
 
-LabelledDepth window(const FramePieces& frame, const FrameObject& object, int u0, int v0, int u1, int v1, int stride) {
+FrameWindow window(const FramePieces& frame, const FrameObject& object, int u0, int v0, int u1, int v1, int stride) {
   const DepthImage& depth = *frame.depth;
-  LabelledDepth out;
+  FrameWindow out;
   out.camera.width = std::max(0, (u1 - u0) / stride + 1);
   out.camera.height = std::max(0, (v1 - v0) / stride + 1);
   out.camera.fx = frame.camera.fx / stride;
@@ -579,15 +579,28 @@ LabelledDepth window(const FramePieces& frame, const FrameObject& object, int u0
     meaning[k] = k == FramePieces::not_measured ? PixelLabel::nothing
                  : object.labels.test(k)        ? PixelLabel::object
                                                 : PixelLabel::background;
+  if (frame.table) out.before_table_mm.assign(out.depth.z_mm.size(), FrameWindow::not_table_mm);
+  std::array<float, FlatSurface::degree + 1> bend{};
   const int first = u0 < 0 ? (-u0 + stride - 1) / stride : 0;
   for (int v = 0; v < out.depth.height; ++v) {
     const int frame_v = v0 + v * stride;
     if (frame_v < 0 || frame_v >= depth.height) continue;
     const std::size_t row = static_cast<std::size_t>(frame_v) * depth.width;
+    const auto ray_y = static_cast<float>((frame_v - frame.camera.cy) / frame.camera.fy);
+    if (frame.table) bend = frame.table->bend_along_x(ray_y);
     for (int u = first; u < out.depth.width && u0 + u * stride < depth.width; ++u) {
       const std::size_t from = row + u0 + u * stride, to = static_cast<std::size_t>(v) * out.depth.width + u;
       out.depth.z_mm[to] = std::max(depth.z_mm[from], 0.0f);
       out.label[to] = meaning[frame.label[from]];
+      if (frame.table && frame.label[from] == FramePieces::background) {
+        const Eigen::Vector3f& q = frame.table->q;
+        const auto ray_x = static_cast<float>((u0 + u * stride - frame.camera.cx) / frame.camera.fx);
+        float bent = bend.back();
+        for (int i = FlatSurface::degree - 1; i >= 0; --i) bent = bent * ray_x + bend[i];
+        // A height is so many depths as the line of sight is steep.
+        const float along = q.x() * ray_x + q.y() * ray_y + q.z();
+        out.before_table_mm[to] = (1 - depth.z_mm[from] * along - bent * q.norm()) / std::max(along, 1e-6f);
+      }
     }
   }
   return out;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "partpose/core/depth_image.hpp"
-#include "partpose/verification/render_compare.hpp"
+#include "partpose/engine/comparison.hpp"
 
 #include <Eigen/Core>
 
@@ -67,7 +67,7 @@ struct FramePieces {
 FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options);
 
 /// Every `stride`-th pixel of the box [u0, u1] x [v0, v1], which may reach beyond the frame: nothing is known there.
-LabelledDepth window(const FramePieces& frame, const FrameObject& object, int u0, int v0, int u1, int v1, int stride);
+FrameWindow window(const FramePieces& frame, const FrameObject& object, int u0, int v0, int u1, int v1, int stride);
 
 /// Points of the object, camera frame, about `wanted` of them: each is the mean over a block of pixels that are near
 /// each other in depth. `block_px`: the blocks' width.

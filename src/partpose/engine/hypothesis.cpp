@@ -11,6 +11,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <tuple>
 
 namespace partpose {
 
@@ -25,20 +27,116 @@ std::vector<Eigen::Vector3f> spread(const std::vector<Eigen::Vector3f>& points, 
   return out;
 }
 
-/// The object's templates at each turn, for parts of one size.
+/// The object's templates at each turn, for parts of one size, about one place.
 struct TurnedTemplates {
+  Eigen::Vector3d centre_mm;  ///< camera frame
   std::vector<DepthTemplate> full;
   std::vector<SmallTemplate> small;
+  float known = 1;  ///< share of the cells that are not unknown, at the first turn
 };
+
+/// Where something nearer hides a part of the object, if anything does: the middle of the outline there, camera frame.
+std::optional<Eigen::Vector3d> hidden_side(const ObjectView& view) {
+  const DepthImage& depth = *view.frame->depth;
+  constexpr int reach_px = 8;
+  constexpr double least_share = 0.08;
+  const FrameObject& object = *view.object;
+  const int step = std::max(1, view.points.block_px / 2);
+  const auto is_object = [&](int u, int v) {
+    return object.labels.test(view.frame->label[static_cast<std::size_t>(v) * depth.width + u]);
+  };
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int hidden = 0, outline = 0;
+  for (int v = std::max(object.v0, reach_px); v <= std::min(object.v1, depth.height - 1 - reach_px); v += step)
+    for (int u = std::max(object.u0, reach_px); u <= std::min(object.u1, depth.width - 1 - reach_px); u += step) {
+      if (!is_object(u, v)) continue;
+      const float z = depth.at(u, v);
+      for (const auto& [du, dv] : {std::pair{reach_px, 0}, {-reach_px, 0}, {0, reach_px}, {0, -reach_px}}) {
+        if (is_object(u + du, v + dv)) continue;
+        ++outline;
+        const float beside = depth.at(u + du, v + dv);
+        if (!(beside > 0) || beside > z - 8) continue;
+        ++hidden;
+        sum += view.frame->camera.unproject(u, v, z).cast<double>();
+      }
+    }
+  if (hidden < 6 || hidden < least_share * outline) return std::nullopt;
+  return Eigen::Vector3d(sum / hidden);
+}
+
+/// Cells that no point fell into are background only where something farther was measured.
+void mark_unknown(DepthTemplate& cells, const ObjectView& view, const Eigen::Vector3d& centre_mm,
+                  const Eigen::Matrix3d& camera_from_cells, double cell_mm) {
+  const DepthImage& depth = *view.frame->depth;
+  const Intrinsics& camera = view.frame->camera;
+  for (int i = 0; i < DepthTemplate::cells; ++i) {
+    if (cells.cell[i] != DepthTemplate::background) continue;
+    const double x = (i % DepthTemplate::side + 0.5 - DepthTemplate::side / 2) * cell_mm;
+    const double y = (i / DepthTemplate::side + 0.5 - DepthTemplate::side / 2) * cell_mm;
+    const Eigen::Vector3d place = centre_mm + camera_from_cells * Eigen::Vector3d(x, y, 0);
+    if (!(place.z() > 1)) continue;
+    const int u = static_cast<int>(std::floor(camera.fx * place.x() / place.z() + camera.cx + 0.5));
+    const int v = static_cast<int>(std::floor(camera.fy * place.y() / place.z() + camera.cy + 0.5));
+    const bool outside = u < 0 || v < 0 || u >= depth.width || v >= depth.height;
+    if (outside || !(depth.at(u, v) > 0) || depth.at(u, v) < place.z() - 2 * cell_mm) cells.cell[i] = DepthTemplate::unknown;
+  }
+}
+
+TurnedTemplates turned_templates(const ObjectView& view, const Eigen::Vector3d& centre_mm, const TemplateScale& scale,
+                                 bool with_unknown) {
+  const Eigen::Matrix3d sight = sight_frame(centre_mm);
+  std::vector<Eigen::Vector3f> relative;
+  relative.reserve(view.points.points_mm.size());
+  for (const auto& p : view.points.points_mm)
+    relative.push_back((sight * (p.cast<double>() - centre_mm)).cast<float>());
+  const double spacing_mm = view.points.block_px * centre_mm.norm() / view.frame->camera.fx;
+  TurnedTemplates out;
+  out.centre_mm = centre_mm;
+  for (int k = 0; k < rolls; ++k) {
+    const double roll_rad = 2 * std::numbers::pi * k / rolls;
+    DepthTemplate cells = make_template(relative, roll_rad, spacing_mm, scale);
+    if (with_unknown) {
+      const Eigen::AngleAxisd roll_back(-roll_rad, Eigen::Vector3d::UnitZ());
+      mark_unknown(cells, view, centre_mm, sight.transpose() * roll_back.toRotationMatrix(), scale.cell_mm);
+    }
+    out.full.push_back(cells);
+    out.small.push_back(halved(cells));
+  }
+  const auto unknown = std::count(out.full[0].cell.begin(), out.full[0].cell.end(), DepthTemplate::unknown);
+  out.known = 1 - static_cast<float>(unknown) / DepthTemplate::cells;
+  return out;
+}
+
+/// About the centroid of what is visible; of an object that is partly hidden also about where the centroid of the whole
+/// may be.
+std::vector<TurnedTemplates> all_turned_templates(const ObjectView& view, const TemplateScale& scale,
+                                                  const std::optional<Eigen::Vector3d>& hidden) {
+  const Eigen::Vector3d& centre = view.all.centre_mm();
+  std::vector<TurnedTemplates> out;
+  out.push_back(turned_templates(view, centre, scale, hidden.has_value()));
+  if (!hidden) return out;
+  const double size_mm = 12 * scale.cell_mm;
+  const Eigen::Vector3d sight = centre.normalized();
+  Eigen::Vector3d aside = *hidden - centre;
+  aside -= sight.dot(aside) * sight;
+  if (!(aside.norm() > 1e-3)) return out;
+  aside.normalize();
+  for (const double across : {0.1, 0.2, 0.32})
+    for (const double along : {-0.08, 0.0, 0.08})
+      out.push_back(turned_templates(view, centre + size_mm * (across * aside + along * sight), scale, true));
+  return out;
+}
 
 /// A view of a part at a turn.
 struct Look {
   float cost;  ///< in mm3, so that parts of different size compare: each cell stands for its area
   std::int32_t part;
-  std::int16_t view, roll;
+  std::int16_t view;
+  std::int8_t roll, place;
 
   bool operator<(const Look& other) const {
-    return std::tuple(cost, part, view, roll) < std::tuple(other.cost, other.part, other.view, other.roll);
+    return std::tuple(cost, part, view, roll, place) <
+           std::tuple(other.cost, other.part, other.view, other.roll, other.place);
   }
 };
 
@@ -85,6 +183,22 @@ double reverse_cost(const Hypothesis& hypothesis, const PartModel& model, const 
   return cost / PartView::visible_points;
 }
 
+/// The most of what is known of it: what neighbouring pixels show, what the table shows (slow waves are in it; by the
+/// square law of triangulation it grows with the distance), and what no stereo camera falls below.
+double expected_noise_mm(const FramePieces& frame, const FrameObject& object, const Eigen::Vector3d& centre_mm) {
+  constexpr double disparity_px = 0.06, baseline_mm = 55, least_mm = 0.1;
+  const double z_mm = centre_mm.z();
+  double noise_mm = std::max({least_mm, local_noise_mm(frame, object),
+                              z_mm * z_mm * disparity_px / (frame.camera.fx * baseline_mm)});
+  if (frame.table && !object.whole_frame) {
+    const Eigen::Vector3d ray = centre_mm / z_mm, q = frame.table->q.cast<double>();
+    const double inverse_table_z = q.dot(ray);
+    const double along_ray = inverse_table_z / q.norm();  // of a height's change, for each of depth
+    if (along_ray > 0.2) noise_mm = std::max(noise_mm, frame.table->rms_mm / along_ray * std::pow(z_mm * inverse_table_z, 2));
+  }
+  return noise_mm;
+}
+
 }  // namespace
 
 ObjectView::ObjectView(const FramePieces& pieces, const FrameObject& frame_object)
@@ -94,25 +208,15 @@ ObjectView::ObjectView(const FramePieces& pieces, const FrameObject& frame_objec
       few(spread(points.points_mm, 64)),
       many(spread(points.points_mm, 192)),
       all(spread(points.points_mm, 512)),
-      noise_mm(std::max(local_noise_mm(pieces, frame_object), 0.1)) {}
+      noise_mm(expected_noise_mm(pieces, frame_object, all.centre_mm())) {}
 
 std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, const ObjectView& view,
                                   const ShortlistOptions& options) {
-  const Eigen::Vector3d& centre = view.all.centre_mm();
-  const Eigen::Matrix3d sight = sight_frame(centre);
-  std::vector<Eigen::Vector3f> relative;
-  for (const auto& p : view.points.points_mm)
-    relative.push_back((sight * (p.cast<double>() - centre)).cast<float>());
-  const double spacing_mm = view.points.block_px * centre.norm() / view.frame->camera.fx;
-
-  std::map<double, TurnedTemplates> turned;  // by the cells' size
+  const auto hidden = hidden_side(view);
+  std::map<double, std::vector<TurnedTemplates>> turned;  // by the cells' size
   for (const PartModel* model : models) {
     auto& templates = turned[model->scale.cell_mm];
-    if (!templates.full.empty()) continue;
-    for (int k = 0; k < rolls; ++k) {
-      templates.full.push_back(make_template(relative, 2 * std::numbers::pi * k / rolls, spacing_mm, model->scale));
-      templates.small.push_back(halved(templates.full.back()));
-    }
+    if (templates.empty()) templates = all_turned_templates(view, model->scale, hidden);
   }
 
   // All small templates, some parts side by side; each keeps its best.
@@ -122,16 +226,18 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
       models.size(),
       [&](std::size_t part) {
         const PartModel& model = *models[part];
-        const auto& templates = turned.at(model.scale.cell_mm).small;
-        const float per_step = 4 * cost_of_step(model.scale);  // a cell covers four
+        const auto& places = turned.at(model.scale.cell_mm);
         std::vector<Look>& looks = of_part[part];
-        looks.reserve(model.views.size() * rolls);
-        for (std::size_t v = 0; v < model.views.size(); ++v)
-          for (int k = 0; k < rolls; ++k)
-            looks.push_back({per_step * static_cast<float>(capped_difference(model.small_templates[v], templates[k],
-                                                                             model.scale.cap)),
-                             static_cast<std::int32_t>(part), static_cast<std::int16_t>(v),
-                             static_cast<std::int16_t>(k)});
+        looks.reserve(places.size() * model.views.size() * rolls);
+        for (std::size_t place = 0; place < places.size(); ++place) {
+          const float per_step = 4 * cost_of_step(model.scale) / places[place].known;  // a cell covers four
+          for (std::size_t v = 0; v < model.views.size(); ++v)
+            for (int k = 0; k < rolls; ++k)
+              looks.push_back({per_step * static_cast<float>(capped_difference(
+                                              model.small_templates[v], places[place].small[k], model.scale.cap)),
+                               static_cast<std::int32_t>(part), static_cast<std::int16_t>(v),
+                               static_cast<std::int8_t>(k), static_cast<std::int8_t>(place)});
+        }
         keep_lowest(looks, kept_small_per_part);
       },
       4);
@@ -141,19 +247,21 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
 
   for (Look& look : looks) {
     const PartModel& model = *models[look.part];
-    const auto& templates = turned.at(model.scale.cell_mm).full;
-    look.cost = cost_of_step(model.scale) *
-                static_cast<float>(capped_difference(model.templates[look.view], templates[look.roll], model.scale.cap));
+    const TurnedTemplates& templates = turned.at(model.scale.cell_mm)[look.place];
+    look.cost = cost_of_step(model.scale) / templates.known *
+                static_cast<float>(
+                    capped_difference(model.templates[look.view], templates.full[look.roll], model.scale.cap));
   }
   std::sort(looks.begin(), looks.end());
 
+  const int kept = hidden ? 2 * options.kept : options.kept;
   std::map<int, int> taken;
   std::vector<Hypothesis> out;
   for (const Look& look : looks) {
     const auto found = taken.find(look.part);
     const bool of_few_parts = found != taken.end() ? found->second < options.kept_per_part
                                                    : static_cast<int>(taken.size()) < options.most_parts;
-    if (static_cast<int>(out.size()) >= options.kept && !of_few_parts) continue;
+    if (static_cast<int>(out.size()) >= kept && !of_few_parts) continue;
     ++taken[look.part];
     const PartModel& model = *models[look.part];
     Hypothesis h;
@@ -163,7 +271,8 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
     h.template_cost = look.cost / cost_of_step(model.scale) / (model.scale.cap * DepthTemplate::cells);
     const Eigen::AngleAxisd roll_back(-2 * std::numbers::pi * look.roll / rolls, Eigen::Vector3d::UnitZ());
     Eigen::Isometry3d camera_from_sight = Eigen::Isometry3d::Identity();
-    camera_from_sight.linear() = sight.transpose() * roll_back.toRotationMatrix();
+    const Eigen::Vector3d& centre = turned.at(model.scale.cell_mm)[look.place].centre_mm;
+    camera_from_sight.linear() = sight_frame(centre).transpose() * roll_back.toRotationMatrix();
     camera_from_sight.translation() = centre;
     h.start = h.camera_from_model = camera_from_sight * model.views[look.view].sight_from_model.cast<double>();
     out.push_back(h);

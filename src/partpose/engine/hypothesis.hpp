@@ -30,7 +30,7 @@ struct ObjectView {
   const FrameObject* object;
   ObjectPoints points;
   ProbePoints few, many, all;  ///< of the points: for a first, a second and the last look
-  double noise_mm;             ///< standard deviation of the depths as it shows locally
+  double noise_mm;             ///< standard deviation of the depths to be expected about a surface that is right
 };
 
 struct ShortlistOptions {

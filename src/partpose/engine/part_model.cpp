@@ -110,28 +110,44 @@ std::vector<Eigen::Isometry3d> find_partners(const PartModel& model) {
     double cost;
     Eigen::Isometry3d turn;
   };
-  std::vector<Partner> found;
   const double scale_mm = 0.02 * model.diameter_mm;
+  const auto partner_at = [&](const Eigen::Vector3d& axis, double angle_deg, const Eigen::Vector3d& place) {
+    const auto refined =
+        refine_on_field(model.field, turn_about(axis, radians(angle_deg), place).inverse(), probes,
+                        {.start_scale_mm = scale_mm, .end_scale_mm = scale_mm, .max_iterations = 3});
+    return Partner{refined.mean_capped, refined.camera_from_model};
+  };
+  constexpr double most_cost = 1.2;  // on the average farther away than about 2 % of the diameter
+  std::vector<Partner> found;
+  const auto add = [&](const Partner& partner) {
+    const bool known = std::any_of(found.begin(), found.end(), [&](const Partner& other) {
+      return rotation_error_deg(other.turn, partner.turn) < 12;
+    });
+    if (!known && partner.cost < most_cost && rotation_error_deg(partner.turn, Eigen::Isometry3d::Identity()) > 12 &&
+        !model.is_symmetry(partner.turn, 0.005 * model.diameter_mm))
+      found.push_back(partner);
+  };
   for (const auto& [axis, place] : axes) {
-    for (const double angle_deg : {180.0, 90.0, 270.0, 120.0, 240.0, 60.0, 300.0}) {
-      const auto refined = refine_on_field(
-          model.field, turn_about(axis, radians(angle_deg), place).inverse(), probes,
-          {.start_scale_mm = scale_mm, .end_scale_mm = scale_mm, .max_iterations = 3});
-      if (refined.mean_capped > 1.2) continue;  // on the average farther away than about 2 % of the diameter
-      const Eigen::Isometry3d turn = refined.camera_from_model;
-      const bool known = std::any_of(found.begin(), found.end(), [&](const Partner& other) {
-        return rotation_error_deg(other.turn, turn) < 15;
-      });
-      if (!known && rotation_error_deg(turn, Eigen::Isometry3d::Identity()) > 30)
-        found.push_back({refined.mean_capped, turn});
+    int near = 0;
+    const std::array<double, 7> angles_deg = {180, 90, 270, 120, 240, 60, 300};
+    for (const double angle_deg : angles_deg) {
+      const Partner partner = partner_at(axis, angle_deg, place);
+      near += partner.cost < most_cost;
+      add(partner);
     }
+    // Round but for a detail, which may be at any turn.
+    if (near == angles_deg.size())
+      for (double angle_deg = 20; angle_deg < 360; angle_deg += 20) {
+        Partner partner = partner_at(axis, angle_deg, place);
+        partner.turn = turn_about(axis, radians(angle_deg), place);
+        add(partner);
+      }
   }
   std::stable_sort(found.begin(), found.end(), [](const Partner& a, const Partner& b) { return a.cost < b.cost; });
+  constexpr std::size_t most = 24;
+  if (found.size() > most) found.resize(most);
   std::vector<Eigen::Isometry3d> partners;
-  for (const auto& partner : found)
-    if (!model.is_symmetry(partner.turn, 0.005 * model.diameter_mm)) partners.push_back(partner.turn);
-  constexpr std::size_t most = 6;
-  if (partners.size() > most) partners.resize(most);
+  for (const auto& partner : found) partners.push_back(partner.turn);
   return partners;
 }
 

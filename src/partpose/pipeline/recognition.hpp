@@ -22,8 +22,9 @@ struct Candidate {
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
   bool icp_converged = false;
   float icp_fitness = -1;  ///< mm
-  /// 0 to 1, -1: not looked at. Of the Recognizer: of render-and-compare; of the GlobalPipeline: the share of the scene
-  /// that is explained times the share of the visible model that is.
+  /// 0 to 1, -1: not looked at. Of the Engine: probability that the part is what is seen; of the Recognizer: of
+  /// render-and-compare; of the GlobalPipeline: the share of the scene that is explained times the share of the visible
+  /// model that is.
   float score = -1;
   Verification verification = {};
   bool verified = false;  ///< false: a better candidate was accepted before this one's turn

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/engine/verdict.hpp"
+
+#include "partpose/camera/rasterizer.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace partpose {
+
+namespace {
+
+/// So many pixels of a stereo camera's depth err together: about the area within its correlation length.
+constexpr double alike_px = 60;
+
+double share(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
+
+}  // namespace
+
+double probability_of_part(const DepthComparison& c) {
+  const int visible = std::max(c.model - c.hidden, 1);
+  const double gain = c.best_log_likelihood > 0 ? std::min(c.log_likelihood / c.best_log_likelihood, 1.0) : 0;
+  const double deviation = c.compared > 0 ? std::min(c.squared_deviations / c.compared, 5.0) : 5;
+  const double logit = 1.0 + 4.3 * gain - 25.0 * share(c.unexplained, c.object) -
+                       60.0 * share(c.free_space + c.below_table, visible) - 12.0 * share(c.nothing, visible) -
+                       2.0 * share(c.model_outline, visible) + 8.6 * share(c.object_outline, c.object) -
+                       0.6 * deviation;
+  return 1 / (1 + std::exp(-logit));
+}
+
+std::vector<double> shares(std::span<const double> log_likelihoods, int stride) {
+  std::vector<double> out;
+  if (log_likelihoods.empty()) return out;
+  const double best = *std::max_element(log_likelihoods.begin(), log_likelihoods.end());
+  double sum = 0;
+  for (const double value : log_likelihoods) {
+    out.push_back(std::exp((value - best) * std::min(stride * stride / alike_px, 1.0)));
+    sum += out.back();
+  }
+  for (double& value : out) value /= sum;
+  return out;
+}
+
+bool looks_the_same(const TriangleMesh& a, const Eigen::Isometry3d& camera_from_a, const TriangleMesh& b,
+                    const Eigen::Isometry3d& camera_from_b, const Intrinsics& camera, const SensorModel& sensor) {
+  constexpr double most_differing = 0.01;
+  const DepthImage of_a = render(a, camera_from_a, camera).depth, of_b = render(b, camera_from_b, camera).depth;
+  const auto limit_mm = static_cast<float>(3 * sensor.noise_mm);
+  const auto found_near = [&](float z_mm, int u, int v, const DepthImage& other) {
+    for (int vv = std::max(v - sensor.outline_px, 0); vv <= std::min(v + sensor.outline_px, other.height - 1); ++vv)
+      for (int uu = std::max(u - sensor.outline_px, 0); uu <= std::min(u + sensor.outline_px, other.width - 1); ++uu)
+        if (other.at(uu, vv) > 0 && std::abs(other.at(uu, vv) - z_mm) < limit_mm) return true;
+    return false;
+  };
+  int seen = 0, differing = 0;
+  double squared = 0;
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) {
+      const float z_a = of_a.at(u, v), z_b = of_b.at(u, v);
+      if (!(z_a > 0) && !(z_b > 0)) continue;
+      ++seen;
+      if (z_a > 0 && z_b > 0 && std::abs(z_a - z_b) < limit_mm) {
+        squared += (z_a - z_b) * (z_a - z_b);
+        continue;
+      }
+      differing += (z_a > 0 && !found_near(z_a, u, v, of_b)) || (z_b > 0 && !found_near(z_b, u, v, of_a));
+    }
+  return differing <= most_differing * seen && squared <= sensor.noise_mm * sensor.noise_mm * seen;
+}
+
+Matrix6d pose_covariance(const Matrix6d& hessian, const Eigen::Vector3d& centre_mm, const Eigen::Vector3d& middle_mm,
+                         const DepthNoise& noise, int stride, double size_mm) {
+  const double slow_mm2 = std::max(noise.total_mm * noise.total_mm - noise.local_mm * noise.local_mm, 0.0);
+  const double variance_mm2 =
+      noise.local_mm * noise.local_mm + slow_mm2 * std::max(alike_px / (stride * stride), 1.0);
+  Matrix6d information = hessian / variance_mm2;
+  information.diagonal().head<3>().array() += 1 / (std::numbers::pi * std::numbers::pi);
+  information.diagonal().tail<3>().array() += 1 / (size_mm * size_mm);
+  const Matrix6d about_centre = information.ldlt().solve(Matrix6d::Identity());
+  // The middle moves by v + omega x (middle - centre).
+  const Eigen::Vector3d arm = middle_mm - centre_mm;
+  Matrix6d moved = Matrix6d::Identity();
+  moved.bottomLeftCorner<3, 3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
+  return moved * about_centre * moved.transpose();
+}
+
+}  // namespace partpose

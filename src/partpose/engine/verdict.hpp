@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/engine/comparison.hpp"
+#include "partpose/registration/normal_equations.hpp"
+
+#include <span>
+#include <vector>
+
+namespace partpose {
+
+/// Probability that the part is what is seen, about at this pose, by how the two explain each other alone. A logistic
+/// regression (Cox 1958); docs/engine.md says on which frames it was fitted.
+double probability_of_part(const DepthComparison& comparison);
+
+/// Probabilities of poses of which one is right, by their log-likelihoods on every `stride`-th pixel: a stereo camera's
+/// errors are alike over some tens of pixels, so that these are worth fewer than they are.
+std::vector<double> shares(std::span<const double> log_likelihoods, int stride);
+
+/// Whether what a camera sees of part `a` and of part `b` is the same but for the noise. `frame` says from where.
+bool looks_the_same(const TriangleMesh& a, const Eigen::Isometry3d& camera_from_a, const TriangleMesh& b,
+                    const Eigen::Isometry3d& camera_from_b, const Intrinsics& camera, const SensorModel& sensor);
+
+/// What is known of the noise of depths: independent from pixel to pixel, and all of it.
+struct DepthNoise {
+  double local_mm = 1, total_mm = 1;
+};
+
+/// Covariance of a pose from the normal equations of its last refinement about `centre_mm`, for every `stride`-th pixel;
+/// given about `middle_mm` (both camera frame): rotation vector [rad], then translation [mm]. Directions that the
+/// surface leaves free have that of a pose of which nothing is known but the part's size.
+Matrix6d pose_covariance(const Matrix6d& hessian, const Eigen::Vector3d& centre_mm, const Eigen::Vector3d& middle_mm,
+                         const DepthNoise& noise, int stride, double size_mm);
+
+}  // namespace partpose
