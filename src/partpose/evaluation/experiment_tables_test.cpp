@@ -333,7 +333,7 @@ TEST(WriteTables, ObjectsConfidenceAndBoundByHand) {
   EXPECT_EQ(run["objects"], 3);
   EXPECT_EQ(run["objects_found"], 2);
   EXPECT_EQ(run["wrong_detections"], 1);
-  EXPECT_EQ(run["bound"]["translation_error_over_bound"], 1.5);
+  EXPECT_NEAR(run["bound"]["translation_error_over_bound"].get<double>(), 1.5, 1e-9);
 }
 
 TEST(WriteTables, TheAcceptCurvePairsTheRunsOfOneConfiguration) {
