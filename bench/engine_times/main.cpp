@@ -13,11 +13,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <fstream>
 #include <iostream>
-#include <iterator>
-#include <optional>
 #include <utility>
 
 namespace partpose {
@@ -97,6 +97,7 @@ void run(const Arguments& arguments) {
   const SceneDatasetOptions options = scenes_of(arguments);
   const auto frames = frames_of(parts, options, arguments.frames);
 
+  malloc_trim(0);  // or the engine would be put where the scene generator was
   const double before_kb = status_kb("VmRSS");
   const Stopwatch setup;
   const Engine engine(parts);
