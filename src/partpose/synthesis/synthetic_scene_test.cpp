@@ -85,13 +85,13 @@ TEST(SyntheticScene, EverythingLiesOnTheTableAndNothingInAnother) {
   }
 }
 
-/// Corners and points 8 mm apart on the edges and faces, in the table's frame.
+/// Corners and points 10 mm apart on the edges and faces, in the table's frame.
 std::vector<Eigen::Vector3d> surface_samples(const TriangleMesh& mesh, const Eigen::Isometry3d& table_from_model) {
   std::vector<Eigen::Vector3d> out;
   for (const auto& t : mesh.triangles) {
     const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>(), ab = mesh.vertices[t[1]].cast<double>() - a,
                           ac = mesh.vertices[t[2]].cast<double>() - a;
-    const int n = static_cast<int>(std::ceil(std::max(ab.norm(), ac.norm()) / 8));
+    const int n = static_cast<int>(std::ceil(std::max(ab.norm(), ac.norm()) / 10));
     for (int i = 0; i <= n; ++i)
       for (int k = 0; k <= n - i; ++k) out.emplace_back(table_from_model * (a + ab * i / n + ac * k / n));
   }
@@ -129,7 +129,7 @@ TEST(SyntheticScene, TouchingThingsMeetWithoutInterpenetrating) {
   const SceneGenerator generator(
       {{"box", shapes::box(Eigen::Vector3f(60, 40, 20))}, {"shaft", shapes::cylinder(12, 90, 32)}}, {}, options);
   int hidden = 0;
-  for (int frame = 0; frame < 8; ++frame) {
+  for (int frame = 0; frame < 3; ++frame) {
     const auto scene = generator.generate(frame);
     std::vector<ScenePiece> parts;
     for (const auto& piece : scene.pieces)
@@ -146,7 +146,7 @@ TEST(SyntheticScene, TouchingThingsMeetWithoutInterpenetrating) {
         for (const auto& a : ours)
           for (const auto& b : others) nearest = std::min(nearest, (a - b).norm());
       }
-      EXPECT_LT(nearest, 9) << frame;  // of samples 8 mm apart
+      EXPECT_LT(nearest, 11) << frame;  // of samples 10 mm apart
       hidden += part.visible_fraction() < 0.95;
     }
   }
