@@ -267,12 +267,13 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     auto hypotheses = time("templates", [&] { return shortlist(impl_->model_of, target.view, {}); });
     time("refine_1", [&] {
       refine(hypotheses, impl_->model_of, target.view, target.view.few, 6);
-      hypotheses = best_of(std::move(hypotheses), 24, 2);
+      hypotheses = best_of(std::move(hypotheses), std::max<std::size_t>(24, hypotheses.size() / 4), 2);
     });
     time("refine_2", [&] {
       refine(hypotheses, impl_->model_of, target.view, target.view.many, 8);
-      hypotheses = best_of(distinct(std::move(hypotheses), impl_->model_of), 6, 1);
-      if (hypotheses.size() > 12) hypotheses.resize(12);
+      const std::size_t kept = std::max<std::size_t>(6, hypotheses.size() / 5);
+      hypotheses = best_of(distinct(std::move(hypotheses), impl_->model_of), kept, 1);
+      if (hypotheses.size() > 2 * kept) hypotheses.resize(2 * kept);
     });
     target.hypotheses = std::move(hypotheses);
     if (!target.hypotheses.empty()) targets.push_back(std::move(target));

@@ -38,7 +38,7 @@ struct TurnedTemplates {
 /// Where something nearer hides a part of the object, if anything does: the middle of the outline there, camera frame.
 std::optional<Eigen::Vector3d> hidden_side(const ObjectView& view) {
   const DepthImage& depth = *view.frame->depth;
-  constexpr int reach_px = 8;
+  constexpr int near_px = 6, reach_px = 36;
   constexpr double least_share = 0.08;
   const FrameObject& object = *view.object;
   const int step = std::max(1, view.points.block_px / 2);
@@ -47,17 +47,25 @@ std::optional<Eigen::Vector3d> hidden_side(const ObjectView& view) {
   };
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int hidden = 0, outline = 0;
-  for (int v = std::max(object.v0, reach_px); v <= std::min(object.v1, depth.height - 1 - reach_px); v += step)
-    for (int u = std::max(object.u0, reach_px); u <= std::min(object.u1, depth.width - 1 - reach_px); u += step) {
+  for (int v = std::max(object.v0, near_px); v <= std::min(object.v1, depth.height - 1 - near_px); v += step)
+    for (int u = std::max(object.u0, near_px); u <= std::min(object.u1, depth.width - 1 - near_px); u += step) {
       if (!is_object(u, v)) continue;
       const float z = depth.at(u, v);
-      for (const auto& [du, dv] : {std::pair{reach_px, 0}, {-reach_px, 0}, {0, reach_px}, {0, -reach_px}}) {
-        if (is_object(u + du, v + dv)) continue;
+      for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+        // Beside what is in front a stereo camera sees nothing for some pixels.
+        if (is_object(u + du * near_px, v + dv * near_px)) continue;
         ++outline;
-        const float beside = depth.at(u + du, v + dv);
-        if (!(beside > 0) || beside > z - 8) continue;
-        ++hidden;
-        sum += view.frame->camera.unproject(u, v, z).cast<double>();
+        for (int away = near_px; away <= reach_px; away += near_px) {
+          const int uu = u + du * away, vv = v + dv * away;
+          if (uu < 0 || vv < 0 || uu >= depth.width || vv >= depth.height) break;
+          const float beside = depth.at(uu, vv);
+          if (!(beside > 0)) continue;
+          if (!is_object(uu, vv) && beside < z - 8) {
+            ++hidden;
+            sum += view.frame->camera.unproject(u, v, z).cast<double>();
+          }
+          if (away > near_px) break;
+        }
       }
     }
   if (hidden < 6 || hidden < least_share * outline) return std::nullopt;
@@ -212,7 +220,9 @@ ObjectView::ObjectView(const FramePieces& pieces, const FrameObject& frame_objec
 
 std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, const ObjectView& view,
                                   const ShortlistOptions& options) {
+  // What is partly hidden looks like more.
   const auto hidden = hidden_side(view);
+  const int wider = hidden ? 5 : 1;
   std::map<double, std::vector<TurnedTemplates>> turned;  // by the cells' size
   for (const PartModel* model : models) {
     auto& templates = turned[model->scale.cell_mm];
@@ -238,12 +248,12 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
                                static_cast<std::int32_t>(part), static_cast<std::int16_t>(v),
                                static_cast<std::int8_t>(k), static_cast<std::int8_t>(place)});
         }
-        keep_lowest(looks, kept_small_per_part);
+        keep_lowest(looks, kept_small_per_part * wider);
       },
       4);
   std::vector<Look> looks;
   for (const auto& some : of_part) looks.insert(looks.end(), some.begin(), some.end());
-  keep_lowest(looks, std::max<std::size_t>(options.small_kept, 0));
+  keep_lowest(looks, static_cast<std::size_t>(std::max(options.small_kept, 0)) * wider);
 
   for (Look& look : looks) {
     const PartModel& model = *models[look.part];
@@ -254,7 +264,7 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
   }
   std::sort(looks.begin(), looks.end());
 
-  const int kept = hidden ? 2 * options.kept : options.kept;
+  const int kept = wider * options.kept;
   std::map<int, int> taken;
   std::vector<Hypothesis> out;
   for (const Look& look : looks) {
