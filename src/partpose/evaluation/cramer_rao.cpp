@@ -26,7 +26,8 @@ PoseBound pose_bound(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_f
   std::vector<Eigen::Vector3d> normals;  // camera frame; zero for a triangle without area
   for (const auto& t : mesh.triangles) {
     const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>();
-    const Eigen::Vector3d cross = (mesh.vertices[t[1]].cast<double>() - a).cross(mesh.vertices[t[2]].cast<double>() - a);
+    const Eigen::Vector3d cross =
+        (mesh.vertices[t[1]].cast<double>() - a).cross(mesh.vertices[t[2]].cast<double>() - a);
     normals.push_back(camera_from_model.linear() * cross.stableNormalized());
   }
 
@@ -59,9 +60,8 @@ PoseBound pose_bound(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_f
   if (least > 1e-12 * most) bound.weakest_mm = 1 / std::sqrt(least);
   bound.determined = bound.weakest_mm < centre.z() / camera.fx;
   if (bound.determined) {
-    const Eigen::Matrix<double, 6, 6> inverse = solver.eigenvectors() *
-                                                solver.eigenvalues().cwiseInverse().asDiagonal() *
-                                                solver.eigenvectors().transpose();
+    const Eigen::Matrix<double, 6, 6> inverse =
+        solver.eigenvectors() * solver.eigenvalues().cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
     bound.covariance = scale.asDiagonal() * inverse * scale.asDiagonal();
   }
   return bound;

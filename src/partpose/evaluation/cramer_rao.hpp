@@ -10,10 +10,10 @@
 /// The physical limit: how well a pose can be known from ranges with noise, whatever the method.
 namespace partpose {
 
-/// The Cramer-Rao bound of a pose (Cramer 1946; Rao 1945): no unbiased estimate has a smaller covariance than the inverse
-/// of the Fisher information. A pixel whose line of sight d (unit vector) meets the surface at p, normal n, measures the
-/// range r with independent normal noise of standard deviation sigma. Turned by a small w about the centre c and moved
-/// by t (camera axes), the surface is met at r + dr,
+/// The Cramer-Rao bound of a pose (Cramer 1946; Rao 1945): no unbiased estimate has a smaller covariance than the
+/// inverse of the Fisher information. A pixel whose line of sight d (unit vector) meets the surface at p, normal n,
+/// measures the range r with independent normal noise of standard deviation sigma. Turned by a small w about the centre
+/// c and moved by t (camera axes), the surface is met at r + dr,
 ///
 ///     dr = n . (w x (p - c) + t) / (n . d),   J = [(p - c) x n; n] / (n . d),   information = sum J J^T / sigma^2
 ///
@@ -25,7 +25,7 @@ struct PoseBound {
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< zero unless `determined`
   int pixels = 0;                                                                ///< that see the part
-  double weakest_mm = 0;    ///< standard deviation along the worst direction, turns at the part's radius; may be infinite
+  double weakest_mm = 0;  ///< standard deviation along the worst direction, turns at the part's radius; may be infinite
   bool determined = false;  ///< `weakest_mm` is below a pixel's size on the part
 
   double rotation_deg() const;    ///< root of the trace of the rotation's block

@@ -8,8 +8,8 @@
 #include "partpose/core/random.hpp"
 #include "tests/shapes.hpp"
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include <cmath>
 
@@ -91,8 +91,8 @@ Matrix6 information_by_rendering(const TriangleMesh& mesh, const Eigen::Isometry
       Vector6 J = Vector6::Zero();
       bool inside = true;
       for (int k = 0; k < 6; ++k) {
-        inside = inside && sides[k].first.triangle[p] == base.triangle[p] &&
-                 sides[k].second.triangle[p] == base.triangle[p];
+        inside =
+            inside && sides[k].first.triangle[p] == base.triangle[p] && sides[k].second.triangle[p] == base.triangle[p];
         J[k] = (range(sides[k].first, u, v) - range(sides[k].second, u, v)) / (2 * steps[k]);
       }
       if (inside) information += J * J.transpose() / (sigma_mm * sigma_mm);
@@ -172,8 +172,9 @@ TEST(PoseBound, IsReachedByLeastSquaresOnSimulatedRanges) {
       directions.push_back(points.back().normalized());
       const auto& triangle = box.triangles[t];
       const Eigen::Vector3f a = box.vertices[triangle[0]];
-      normals.emplace_back(pose.linear() *
-                           (box.vertices[triangle[1]] - a).cross(box.vertices[triangle[2]] - a).cast<double>().normalized());
+      normals.emplace_back(
+          pose.linear() *
+          (box.vertices[triangle[1]] - a).cross(box.vertices[triangle[2]] - a).cast<double>().normalized());
     }
   Matrix6 covariance = Matrix6::Zero();
   constexpr int trials = 300;

@@ -138,8 +138,7 @@ BoundRecord bound_of(const Result& result, const TestScene& test, const PoseJudg
   if (!out.determined) return out;
   out.rotation_deg = bound.rotation_deg();
   out.translation_mm = bound.translation_mm();
-  const Eigen::Isometry3d nearest =
-      judge.nearest_equivalent(truth.model_name, result.T_final, truth.camera_from_model);
+  const Eigen::Isometry3d nearest = judge.nearest_equivalent(truth.model_name, result.T_final, truth.camera_from_model);
   const Eigen::Vector3d middle = bounding_box(mesh).center();
   out.rotation_error_deg = rotation_error_deg(result.T_final, nearest);
   out.translation_error_mm = (result.T_final * middle - nearest * middle).norm();
@@ -252,9 +251,12 @@ std::vector<TestScene> Experiment::captured_scenes(const PartGroup& group, const
     std::vector<GroundTruth> truths;
     for (const auto& pose : scene.camera_from_model) truths.push_back({scene.model_name, pose});
     if (truths.empty()) truths.push_back({});
-    scenes.push_back(
-        {scene.path.filename().string(), [path = scene.path] { return read_scene(path); }, truths, {}, {},
-         one_object(truths)});
+    scenes.push_back({scene.path.filename().string(),
+                      [path = scene.path] { return read_scene(path); },
+                      truths,
+                      {},
+                      {},
+                      one_object(truths)});
   }
   return scenes;
 }
@@ -270,8 +272,7 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
     std::vector<ScenePart> parts;
     for (const auto& part : parts_of(group)) parts.push_back({part.name, part.mesh});
     fs::create_directories(folder.parent_path());
-    write_scene_dataset(std::move(parts), {}, options, static_cast<std::size_t>(frames), folder, {},
-                        progress_);
+    write_scene_dataset(std::move(parts), {}, options, static_cast<std::size_t>(frames), folder, {}, progress_);
   }
   const SceneDataset drawn = read_scene_dataset(folder);
   AmbiguityOptions noise;
@@ -373,11 +374,10 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
     config.check();
   }
   const bool meshes_only = configuration.pipeline.empty() && configuration.recognizer == "engine";
-  const Catalogue all = meshes_only ? mesh_catalogue(parts_of(group))
-                                    : load_catalogue(dataset(group, spec_.database), config, progress_);
+  const Catalogue all =
+      meshes_only ? mesh_catalogue(parts_of(group)) : load_catalogue(dataset(group, spec_.database), config, progress_);
   const auto make = [&](Catalogue catalogue) -> std::unique_ptr<PartRecognizer> {
-    if (meshes_only)
-      return std::make_unique<Engine>(std::move(catalogue));
+    if (meshes_only) return std::make_unique<Engine>(std::move(catalogue));
     if (configuration.pipeline.empty()) return std::make_unique<Recognizer>(std::move(catalogue));
     return std::make_unique<GlobalPipeline>(std::move(catalogue), config);
   };
@@ -430,7 +430,8 @@ void Experiment::draw_failures(const std::string& run, const std::vector<TestSce
   std::vector<ColourImage> pictures(drawn);
   const auto draw_one = [&](std::size_t i) {
     const FrameRecord& record = failures[i].second;
-    const auto scene = std::find_if(scenes.begin(), scenes.end(), [&](const auto& s) { return s.name == record.frame; });
+    const auto scene =
+        std::find_if(scenes.begin(), scenes.end(), [&](const auto& s) { return s.name == record.frame; });
     const auto frame = scene == scenes.end() ? std::nullopt : judged_frame(*scene, scene->read());
     pictures[i] = frame ? picture_of_failure(record, scene->objects, judge, *frame)
                         : draw_overlay(DepthImage(320, 240), {320, 240, 300, 300, 159.5, 119.5}, std::nullopt);

@@ -103,8 +103,8 @@ struct ExperimentSpec {
   void check() const;
 };
 
-/// The error of a right part's pose beside the Cramer-Rao bound of the frame (pose_bound()), both about the middle of the
-/// part's box; up to the part's symmetry.
+/// The error of a right part's pose beside the Cramer-Rao bound of the frame (pose_bound()), both about the middle of
+/// the part's box; up to the part's symmetry.
 struct BoundRecord {
   bool determined = false;
   double rotation_deg = 0, translation_mm = 0;
@@ -136,7 +136,7 @@ struct FrameRecord {
   double time_ms = 0;
   std::optional<FrameObjects> objects;  ///< absent in the records of older versions
   std::optional<BoundRecord> bound;     ///< where the noise is known and the part is right
-  std::string folder;  ///< of the frame's output, relative to the experiment's; empty: not kept
+  std::string folder;                   ///< of the frame's output, relative to the experiment's; empty: not kept
 
   static constexpr bool all_keys_required = true;
   template <typename Self, typename Visit>

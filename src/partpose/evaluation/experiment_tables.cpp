@@ -190,14 +190,14 @@ Table reliability_table(const Reliability& stated) {
   Table table({"Confidence", "Detections", "Right", "Right [%]", "Mean confidence [%]"});
   for (const auto& bin : stated.bins)
     table.add({fmt::format("{:.1f} to {:.1f}", bin.from, bin.to), number(bin.count), number(bin.right),
-               bin.count ? number(100 * bin.share_right()) : "-",
-               bin.count ? number(100 * bin.mean_confidence) : "-"});
+               bin.count ? number(100 * bin.share_right()) : "-", bin.count ? number(100 * bin.mean_confidence) : "-"});
   return table;
 }
 
 /// What the recognizer accepts by its own decision: of parts that it knows, and of parts that it does not.
 Table decision_table(const std::vector<RunSummary>& summaries) {
-  Table table({"Group", "Protocol", "Configuration", "Part", "Frames", "Accepted", "Accepted [%]", "As the right part [%]"});
+  Table table(
+      {"Group", "Protocol", "Configuration", "Part", "Frames", "Accepted", "Accepted [%]", "As the right part [%]"});
   for (const auto& run : summaries)
     table.add({run.group, run.protocol, short_name(run), run.left_out ? "not in the catalogue" : "known",
                number(run.frames), number(run.accepted), number(run.percent(run.accepted)),
@@ -421,12 +421,12 @@ void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec
     }
     if (std::any_of(runs.begin(), runs.end(), [](const auto* run) { return run->detections > 0 || run->objects > 0; }))
       page += fmt::format(
-          "\nObjects: all parts of the catalogue of which {:.0f} % or more are seen, each to be found by a detection of "
+          "\nObjects: all parts of the catalogue of which {:.0f} % or more are seen, each to be found by a detection "
+          "of "
           "its own; a detection is wrong when it names a part that is not there:\n\n{}",
           100 * counted_visibility, objects_table(runs).markdown());
-    if (std::any_of(runs.begin(), runs.end(), [](const auto* run) {
-          return run->bounds_undetermined > 0 || !run->rotation_bounds_deg.empty();
-        }))
+    if (std::any_of(runs.begin(), runs.end(),
+                    [](const auto* run) { return run->bounds_undetermined > 0 || !run->rotation_bounds_deg.empty(); }))
       page += fmt::format(
           "\nThe physical limit: medians over the frames with the right part of the Cramer-Rao bound, and of error / "
           "bound; frames whose ranges do not determine the pose are left out:\n\n{}",
@@ -468,7 +468,8 @@ void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec
                           percent_plot_svg("Accepting above a score", "false accepts, parts not in the catalogue [%]",
                                            "true accepts, right part [%]", lines));
     page += fmt::format(
-        "\n## Parts that are not in the catalogue\n\nBy the recognizer's own decision:\n\n{}\nBy other thresholds on its "
+        "\n## Parts that are not in the catalogue\n\nBy the recognizer's own decision:\n\n{}\nBy other thresholds on "
+        "its "
         "score:\n\n![false against true accepts](accepts.svg)\n",
         decision_table(summaries).markdown());
   }

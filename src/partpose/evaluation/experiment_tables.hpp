@@ -25,13 +25,13 @@ struct RunSummary {
   int objects_found = 0;       ///< of them, those that a detection names where they are
   int objects_pose_right = 0;  ///< of them, those whose pose is right, or that cannot be told from the detection
   int detections = 0;
-  int wrong_detections = 0;  ///< of them, those that name a part that is not there
+  int wrong_detections = 0;                          ///< of them, those that name a part that is not there
   std::vector<std::pair<double, bool>> confidences;  ///< of each detection, and whether it is right
   int accepted = 0;                                  ///< frames in which something was recognized
-  int bounds_undetermined = 0;  ///< right frames whose ranges do not determine the pose
-  std::vector<double> rotation_bounds_deg, translation_bounds_mm;     ///< of the other right frames
-  std::vector<double> rotation_over_bound, translation_over_bound;    ///< their errors, in shares of the bound
-  std::map<std::pair<std::string, std::string>, int> confusion;  ///< shown, recognized as ("": none)
+  int bounds_undetermined = 0;                       ///< right frames whose ranges do not determine the pose
+  std::vector<double> rotation_bounds_deg, translation_bounds_mm;   ///< of the other right frames
+  std::vector<double> rotation_over_bound, translation_over_bound;  ///< their errors, in shares of the bound
+  std::map<std::pair<std::string, std::string>, int> confusion;     ///< shown, recognized as ("": none)
 
   double percent(int count) const { return frames ? 100.0 * count / frames : 0; }
 };

@@ -322,12 +322,12 @@ TEST(WriteTables, ObjectsConfidenceAndBoundByHand) {
   write_tables(records, spec_of({"seen", "left out"}), folder.path());
   const std::string page = read_file(folder.path() / "tables.md");
   // 0.95 stated for 3, of which 1 is right; 0.15 for 1 that is wrong: (3 x |1/3 - 0.95| + 0.15) / 4 = 0.5.
-  for (const char* line : {"| D vfh | 3 | 2 | 66.67 | 33.33 | 3 | 1 | 33.33 |\n",
-                           "Expected calibration error: 50.00 points, of 4 detections.",
-                           "| 0.9 to 1.0 | 3 | 1 | 33.33 | 95.00 |\n", "| 0.1 to 0.2 | 1 | 0 | 0.00 | 15.00 |\n",
-                           "| D vfh | 1 | 0 | 0.500 | 2.00 | 0.100 | 1.50 |\n",
-                           "| parts | seen | D vfh | known | 1 | 1 | 100.00 | 100.00 |\n",
-                           "| parts | left out | D vfh | not in the catalogue | 1 | 1 | 100.00 | - |\n"})
+  for (const char* line :
+       {"| D vfh | 3 | 2 | 66.67 | 33.33 | 3 | 1 | 33.33 |\n",
+        "Expected calibration error: 50.00 points, of 4 detections.", "| 0.9 to 1.0 | 3 | 1 | 33.33 | 95.00 |\n",
+        "| 0.1 to 0.2 | 1 | 0 | 0.00 | 15.00 |\n", "| D vfh | 1 | 0 | 0.500 | 2.00 | 0.100 | 1.50 |\n",
+        "| parts | seen | D vfh | known | 1 | 1 | 100.00 | 100.00 |\n",
+        "| parts | left out | D vfh | not in the catalogue | 1 | 1 | 100.00 | - |\n"})
     EXPECT_PRED2(shapes::mentions, page, line);
   const Json run = read_json_file(folder.path() / "tables.json")["runs"][0];
   EXPECT_EQ(run["objects"], 3);

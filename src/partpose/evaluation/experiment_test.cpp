@@ -373,7 +373,8 @@ TEST_F(Experiments, TheEngineNeedsMeshesAlone) {
   EXPECT_EQ(shown.size(), 2u);  // spread over all of the protocol
   EXPECT_GT(bounds, 0);
   const std::string page = read_file(folder / "out/tables.md");
-  for (const char* words : {"each to be found", "Cramer-Rao", "## Confidence of engine", "| not in the catalogue | 7 |"})
+  for (const char* words :
+       {"each to be found", "Cramer-Rao", "## Confidence of engine", "| not in the catalogue | 7 |"})
     EXPECT_PRED2(mentions, page, words);
 
   // The argument stands before the file.
@@ -385,9 +386,8 @@ TEST_F(Experiments, TheEngineNeedsMeshesAlone) {
 
 TEST_F(Experiments, EveryObjectOfAFrameIsAskedFor) {
   Json spec = small_spec();
-  const Json scenes = {
-      {"scene", {{"parts", {2, 2}}, {"contact", "touching"}, {"least_visible_fraction", 0.6}}},
-      {"sensor", {{"model", "none"}}}};
+  const Json scenes = {{"scene", {{"parts", {2, 2}}, {"contact", "touching"}, {"least_visible_fraction", 0.6}}},
+                       {"sensor", {{"model", "none"}}}};
   write_json_file(folder / "scenes.json", scenes);
   spec["protocols"] = {{{"name", "touching"}, {"scenes", "scenes.json"}, {"frames", 3}}};
   spec["configurations"] = {{{"name", "engine"}, {"recognizer", "engine"}}};

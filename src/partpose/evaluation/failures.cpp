@@ -39,8 +39,7 @@ Intrinsics cut_around(const std::vector<Placed>& things, const Intrinsics& camer
   seen = seen.isEmpty() ? image : seen.intersection(image);
   if (seen.isEmpty()) seen = image;
   const Eigen::Vector2d middle = seen.center();
-  const double pixels_per_px =
-      1.3 * std::max(seen.sizes().x() / width_px, std::max(seen.sizes().y(), 8.0) / height_px);
+  const double pixels_per_px = 1.3 * std::max(seen.sizes().x() / width_px, std::max(seen.sizes().y(), 8.0) / height_px);
   Intrinsics cut{width_px, height_px, camera.fx / pixels_per_px, camera.fy / pixels_per_px, 0, 0};
   cut.cx = (camera.cx - middle.x()) / pixels_per_px + 0.5 * (width_px - 1);
   cut.cy = (camera.cy - middle.y()) / pixels_per_px + 0.5 * (height_px - 1);
@@ -63,8 +62,8 @@ void draw_outline(ColourImage& image, const Placed& thing, const Intrinsics& cam
   const DepthImage depth = render(*thing.mesh, thing.camera_from_model, camera).depth;
   for (int v = 1; v + 1 < camera.height; ++v)
     for (int u = 1; u + 1 < camera.width; ++u)
-      if (depth.at(u, v) > 0 && !(depth.at(u - 1, v) > 0 && depth.at(u + 1, v) > 0 && depth.at(u, v - 1) > 0 &&
-                                  depth.at(u, v + 1) > 0))
+      if (depth.at(u, v) > 0 &&
+          !(depth.at(u - 1, v) > 0 && depth.at(u + 1, v) > 0 && depth.at(u, v - 1) > 0 && depth.at(u, v + 1) > 0))
         image.pixels[static_cast<std::size_t>(v) * camera.width + u] = thing.colour;
 }
 
@@ -93,8 +92,8 @@ std::optional<Failure> failure_of(const FrameRecord& record) {
   const bool recognized_something = record.result.candidate_id >= 0;
   if (record.left_out || evaluation.ground_truth_model_name.empty())
     return recognized_something ? std::optional(Failure::not_refused) : std::nullopt;
-  const bool right = evaluation.indistinguishable.value_or(false) ||
-                     (evaluation.recognized_correctly && mssd_below(evaluation, 0.10));
+  const bool right =
+      evaluation.indistinguishable.value_or(false) || (evaluation.recognized_correctly && mssd_below(evaluation, 0.10));
   if (!recognized_something) return Failure::nothing_recognized;
   if (!evaluation.recognized_correctly && !right) return Failure::wrong_part;
   if (!right) return Failure::wrong_pose;

@@ -28,8 +28,8 @@ double middles_apart_mm(const TriangleMesh& a, const Eigen::Isometry3d& camera_f
 std::vector<DetectionRecord> detections_of(const Recognition& recognition, const Catalogue& catalogue) {
   std::vector<DetectionRecord> out;
   for (const auto& detection : recognition.detections)
-    out.push_back({catalogue.parts[detection.part].name, detection.camera_from_model, detection.score,
-                   detection.confidence});
+    out.push_back(
+        {catalogue.parts[detection.part].name, detection.camera_from_model, detection.score, detection.confidence});
   if (out.empty() && recognition.accepted >= 0) {
     const Candidate& best = recognition.candidates[recognition.accepted];
     out.push_back({catalogue.parts[catalogue.views[best.view_row].part].name, best.camera_from_model, best.score,
@@ -54,8 +54,7 @@ FrameObjects judge_objects(std::vector<DetectionRecord> detections, const std::v
       double least = std::numeric_limits<double>::infinity();
       for (const auto& pose : truths[t].camera_from_model)
         if (middles_apart_mm(mesh, detection.camera_from_model, mesh, pose) < near_share * diameter_mm)
-          least = std::min(least,
-                           judge.deviation_mm(detection.part, detection.camera_from_model, pose) / diameter_mm);
+          least = std::min(least, judge.deviation_mm(detection.part, detection.camera_from_model, pose) / diameter_mm);
       if (least < std::numeric_limits<double>::infinity()) pairs.push_back({least, d, t});
     }
   }
@@ -73,8 +72,7 @@ FrameObjects judge_objects(std::vector<DetectionRecord> detections, const std::v
       return judge.same_to_camera(detection.part, detection.camera_from_model, object.part, pose, frame);
     };
     const auto& poses = truths[pair.object].camera_from_model;
-    detection.right = object.pose_right =
-        pair.deviation < right_share || std::any_of(poses.begin(), poses.end(), same);
+    detection.right = object.pose_right = pair.deviation < right_share || std::any_of(poses.begin(), poses.end(), same);
   }
   for (auto& detection : out.detections) {
     for (std::size_t t = 0; detection.object < 0 && t < truths.size(); ++t) {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/evaluation/object_judge.hpp"
 
-#include "partpose/evaluation/failures.hpp"
 #include "partpose/core/pose.hpp"
+#include "partpose/evaluation/failures.hpp"
 #include "tests/shapes.hpp"
 
 #include <gtest/gtest.h>
@@ -18,9 +18,9 @@ const JudgedFrame frame{camera, {}, {}};
 
 Catalogue catalogue() {
   Catalogue out;
-  for (const auto& [name, mesh] : {std::pair{"bracket", shapes::l_bracket()},
-                                   std::pair{"box", shapes::box(Eigen::Vector3f(60, 40, 20))},
-                                   std::pair{"twin", shapes::box(Eigen::Vector3f(60, 40, 20))}}) {
+  for (const auto& [name, mesh] :
+       {std::pair{"bracket", shapes::l_bracket()}, std::pair{"box", shapes::box(Eigen::Vector3f(60, 40, 20))},
+        std::pair{"twin", shapes::box(Eigen::Vector3f(60, 40, 20))}}) {
     CataloguePart part;
     part.id = static_cast<int>(out.parts.size()) + 1;
     part.name = name;
@@ -71,8 +71,7 @@ TEST(JudgeObjects, FarAwayIsNotFoundAndAWrongPoseIs) {
   const PoseJudge judge(catalogue());
   const double half_mm = 0.5 * judge.diameter_mm("bracket");
   for (const double shift_mm : {half_mm - 1, half_mm + 1}) {
-    const auto r =
-        judge_objects({found("bracket", at(shift_mm))}, {{"bracket", {at(0)}, 1}}, judge, frame);
+    const auto r = judge_objects({found("bracket", at(shift_mm))}, {{"bracket", {at(0)}, 1}}, judge, frame);
     EXPECT_EQ(r.objects[0].detection >= 0, shift_mm < half_mm);
     EXPECT_FALSE(r.objects[0].pose_right);
     EXPECT_EQ(r.detections[0].part_right, shift_mm < half_mm);
@@ -83,10 +82,12 @@ TEST(JudgeObjects, FarAwayIsNotFoundAndAWrongPoseIs) {
 TEST(JudgeObjects, SymmetricPosesAndSeveralTruePosesAreRight) {
   const PoseJudge judge(catalogue());
   const Eigen::Isometry3d half_turn(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
-  EXPECT_TRUE(judge_objects({found("box", at(0) * half_turn)}, {{"box", {at(0)}, 1}}, judge, frame).detections[0].right);
+  EXPECT_TRUE(
+      judge_objects({found("box", at(0) * half_turn)}, {{"box", {at(0)}, 1}}, judge, frame).detections[0].right);
   const Eigen::Isometry3d other = at(0) * half_turn;
   EXPECT_FALSE(judge_objects({found("bracket", other)}, {{"bracket", {at(0)}, 1}}, judge, frame).detections[0].right);
-  EXPECT_TRUE(judge_objects({found("bracket", other)}, {{"bracket", {at(0), other}, 1}}, judge, frame).detections[0].right);
+  EXPECT_TRUE(
+      judge_objects({found("bracket", other)}, {{"bracket", {at(0), other}, 1}}, judge, frame).detections[0].right);
 }
 
 TEST(JudgeObjects, AnotherPartThatLooksTheSameIsRightAsFarAsCanBeSeen) {

@@ -33,7 +33,8 @@ struct PoseJudge::Part {
     std::vector<Eigen::Vector3f> hull;
   };
   const Shape& shape() const;
-  /// BOP does not combine the turns of several axes. Of a ball the equivalent pose turned like the estimate is the best.
+  /// BOP does not combine the turns of several axes. Of a ball the equivalent pose turned like the estimate is the
+  /// best.
   std::vector<Eigen::Isometry3d> symmetries(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth) const;
 
  private:
@@ -156,9 +157,10 @@ Evaluation PoseJudge::judge(const Result& result, const GroundTruth& truth, cons
                                      bop_pixel_factor(frame.camera.width));
     const DepthImage measured =
         frame.depth.z_mm.empty() ? DepthImage(frame.camera.width, frame.camera.height) : frame.depth;
-    const auto vsd = visible_surface_discrepancy(distance_image(measured, K), distance_image(estimated, K),
-                                                 distance_image(true_depth, K), shown->shape().diameter_mm, bop_fractions())
-                         .vsd;
+    const auto vsd =
+        visible_surface_discrepancy(distance_image(measured, K), distance_image(estimated, K),
+                                    distance_image(true_depth, K), shown->shape().diameter_mm, bop_fractions())
+            .vsd;
     out.vsd = static_cast<float>(std::accumulate(vsd.begin(), vsd.end(), 0.0) / static_cast<double>(vsd.size()));
   }
   // A pose that is nearly the true one needs no excuse; the others may look the same to this camera.

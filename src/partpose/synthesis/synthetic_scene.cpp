@@ -505,14 +505,14 @@ struct SceneGenerator::Impl {
       // Before it: the thing at the target's middle, so far to one side, and so far out that it meets nothing yet.
       const Eigen::Vector3d lane = across_from_table * Eigen::Vector3d(middle.x(), middle.y(), 0);
       constexpr double outside_mm = 10000;
-      const Eigen::Isometry3d start =
-          across_from_table.inverse() * Eigen::Translation3d(lane.x() + outside_mm, lane.y() + beside, 0) *
-          across_from_table * thing.table_from_model;
+      const Eigen::Isometry3d start = across_from_table.inverse() *
+                                      Eigen::Translation3d(lane.x() + outside_mm, lane.y() + beside, 0) *
+                                      across_from_table * thing.table_from_model;
       const Reach coming = Reach(*thing.body.mesh, across_from_table * start, -1).grown();
       double distance = std::numeric_limits<double>::infinity();
       for (const auto& other : others)
-        distance = std::min(
-            distance, Reach(*other.body.mesh, across_from_table * other.table_from_model, 1).distance_to(coming));
+        distance = std::min(distance,
+                            Reach(*other.body.mesh, across_from_table * other.table_from_model, 1).distance_to(coming));
       if (!std::isfinite(distance)) continue;
       const Eigen::Vector3d back = across_from_table.inverse() * Eigen::Vector3d(clearance_mm - distance, 0, 0);
       Placed placed = thing;

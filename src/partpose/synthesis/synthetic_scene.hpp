@@ -146,8 +146,9 @@ SceneSensor stereo_scene_sensor(const StereoSensorOptions& options);
 /// as they last. Each lies in one of its resting poses, turned and placed at random. Nothing interpenetrates: the
 /// outlines of all things, seen from above, are apart; or, with `contact` "touching", each thing after the first comes
 /// from outside, straight along the table, and stops where it meets another. Things that touch lie as they would alone:
-/// none leans on another. From an oblique camera the near ones then hide some of the far ones. With `hidden_fraction` a plate stands before the first part, or
-/// is held over it where the camera looks down steeply, so that just a share drawn from that range is hidden.
+/// none leans on another. From an oblique camera the near ones then hide some of the far ones. With `hidden_fraction` a
+/// plate stands before the first part, or is held over it where the camera looks down steeply, so that just a share
+/// drawn from that range is hidden.
 class SceneGenerator {
  public:
   /// Finds the resting poses of all parts. Throws Error, naming the part, for meshes without resting poses, and for

@@ -108,9 +108,8 @@ double overlap_mm(const ScenePiece& a, const ScenePiece& b) {
       double depth = 1e300;
       for (const auto& t : in.mesh->triangles) {
         const Eigen::Vector3d q = in.mesh->vertices[t[0]].cast<double>();
-        const Eigen::Vector3d normal = (in.mesh->vertices[t[1]].cast<double>() - q)
-                                           .cross(in.mesh->vertices[t[2]].cast<double>() - q)
-                                           .normalized();
+        const Eigen::Vector3d normal =
+            (in.mesh->vertices[t[1]].cast<double>() - q).cross(in.mesh->vertices[t[2]].cast<double>() - q).normalized();
         depth = std::min(depth, -normal.dot(p - q));
       }
       deepest = std::max(deepest, depth);
