@@ -21,13 +21,18 @@ namespace {
 struct ExperimentArguments {
   std::filesystem::path spec, output;
   std::vector<std::string> overrides;
+  int most_frames = 0;
   bool json = false;
 };
 
 void run(const ExperimentArguments& arguments, const Common& common) {
   const Unfinished frame;  // each is finished before a signal counts
-  const auto records = run_experiment(arguments.spec, arguments.output, terminal_progress(common),
-                                      [&](ExperimentSpec& spec) { apply_overrides(spec, arguments.overrides); });
+  const auto adjust = [&](ExperimentSpec& spec) {
+    apply_overrides(spec, arguments.overrides);
+    if (arguments.most_frames > 0) spec.most_frames = arguments.most_frames;
+  };
+  const auto records =
+      run_experiment(arguments.spec, arguments.output, terminal_progress(common), adjust);
   const auto spec = read_json<ExperimentSpec>(arguments.output / "experiment.json");
   if (arguments.json) {
     Json runs = Json::array();
@@ -71,6 +76,10 @@ void add_experiment_command(CLI::App& app, const Common& common) {
       ->required();
   add_set_option(*experiment, arguments->overrides);
   experiment->add_flag("--json", arguments->json, "Print the table as JSON");
+  experiment
+      ->add_option("--frames", arguments->most_frames,
+                   "At most so many frames of each protocol, spread evenly over it (the file's \"most_frames\")")
+      ->check(CLI::Range(1, 1000000));
   experiment->footer(
       "Examples:\n"
       "  partpose experiment experiments/ground_truth.json --output results/\n"

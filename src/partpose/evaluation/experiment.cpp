@@ -5,10 +5,13 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/hash.hpp"
 #include "partpose/core/parallel.hpp"
+#include "partpose/core/pose.hpp"
 #include "partpose/engine/engine.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
+#include "partpose/evaluation/cramer_rao.hpp"
 #include "partpose/evaluation/experiment_tables.hpp"
+#include "partpose/evaluation/failures.hpp"
 #include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
@@ -17,6 +20,7 @@
 #include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/global_pipeline.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
+#include "partpose/pipeline/picture.hpp"
 #include "partpose/pipeline/recognizer.hpp"
 #include "partpose/preprocess/segmentation.hpp"
 #include "partpose/synthesis/bop_scenes.hpp"
@@ -89,29 +93,57 @@ struct TestScene {
   std::vector<GroundTruth> truths;   ///< any of them is right; the first names the frame's part
   std::optional<Intrinsics> camera;  ///< of a cloud, where it is known
   AmbiguityOptions noise;            ///< of the sensor
+  std::vector<ObjectTruth> objects;  ///< all parts of the catalogue that the frame shows
+  double range_noise_mm = 0;         ///< independent along each line of sight; 0: another noise, or unknown
 };
 
+/// One object, of which any of the poses is right.
+std::vector<ObjectTruth> one_object(const std::vector<GroundTruth>& truths) {
+  if (truths[0].model_name.empty()) return {};
+  ObjectTruth object{truths[0].model_name, {}};
+  for (const auto& truth : truths) object.camera_from_model.push_back(truth.camera_from_model);
+  return {object};
+}
+
+/// What a pose is judged with; nothing when there is nothing that a camera could see.
+std::optional<JudgedFrame> judged_frame(const TestScene& test, const Scene& scene) {
+  if (scene.depth) return JudgedFrame{*scene.intrinsics, *scene.depth, test.noise};
+  const auto camera = test.camera ? test.camera : intrinsics_of(before_camera(scene.cloud));
+  if (!camera) return std::nullopt;
+  return JudgedFrame{*camera, to_depth_image(scene.cloud, *camera), test.noise};
+}
+
 /// By the truth that the result comes nearest to.
-Evaluation best_evaluation(const Result& result, const TestScene& test, const Scene& scene, const PoseJudge& judge) {
-  JudgedFrame frame{{}, {}, test.noise};
-  if (scene.depth) {
-    frame.camera = *scene.intrinsics;
-    frame.depth = *scene.depth;
-  } else if (const auto camera = test.camera ? test.camera : intrinsics_of(before_camera(scene.cloud))) {
-    frame.camera = *camera;
-    frame.depth = to_depth_image(scene.cloud, *camera);
-  } else {
-    return evaluate(result, test.truths[0]);  // nothing that a camera could see
-  }
+Evaluation best_evaluation(const Result& result, const TestScene& test, const std::optional<JudgedFrame>& frame,
+                           const PoseJudge& judge) {
+  if (!frame) return evaluate(result, test.truths[0]);
   const auto rank = [](const Evaluation& e) {
     return std::tuple(!e.recognized_correctly, e.mssd_mm.value_or(0), e.translation_error_mm + e.rotation_error_deg);
   };
-  Evaluation best = judge.judge(result, test.truths[0], frame);
+  Evaluation best = judge.judge(result, test.truths[0], *frame);
   for (std::size_t i = 1; i < test.truths.size(); ++i) {
-    const Evaluation other = judge.judge(result, test.truths[i], frame);
+    const Evaluation other = judge.judge(result, test.truths[i], *frame);
     if (rank(other) < rank(best)) best = other;
   }
   return best;
+}
+
+/// Of a frame whose part is right.
+BoundRecord bound_of(const Result& result, const TestScene& test, const PoseJudge& judge) {
+  const GroundTruth& truth = test.truths[0];
+  const TriangleMesh& mesh = judge.mesh(truth.model_name);
+  BoundRecord out;
+  if (judge.is_continuous(truth.model_name)) return out;
+  const PoseBound bound = pose_bound(mesh, truth.camera_from_model, *test.camera, test.range_noise_mm);
+  out.determined = bound.determined;
+  if (!out.determined) return out;
+  out.rotation_deg = bound.rotation_deg();
+  out.translation_mm = bound.translation_mm();
+  const Eigen::Isometry3d nearest = judge.nearest_equivalent(truth.model_name, result.T_final, truth.camera_from_model);
+  const Eigen::Vector3d middle = bounding_box(mesh).center();
+  out.rotation_error_deg = rotation_error_deg(result.T_final, nearest);
+  out.translation_error_mm = (result.T_final * middle - nearest * middle).norm();
+  return out;
 }
 
 class Experiment {
@@ -125,7 +157,9 @@ class Experiment {
   Dataset dataset(const PartGroup& group, const std::string& config_file) const;
   /// Where data made of the group's parts and `content` is kept.
   fs::path data_folder(const PartGroup& group, const std::string& content) const;
+  /// As many of the protocol's as are asked for.
   std::vector<TestScene> scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
+  std::vector<TestScene> all_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
   std::vector<TestScene> captured_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
   std::vector<TestScene> drawn_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const;
   void run(const PartGroup& group, const ExperimentProtocol& protocol, const ExperimentConfiguration& configuration,
@@ -133,6 +167,8 @@ class Experiment {
   FrameRecord recognize(const TestScene& scene, const PartRecognizer& recognizer, const PoseJudge& judge,
                         const GlobalPipelineConfig& config, FrameRecord record) const;
   void keep(const FrameRecord& record);
+  /// One page of pictures for the failing frames of a run, sorted by what went wrong, and a list of them.
+  void draw_failures(const std::string& run, const std::vector<TestScene>& scenes, const PoseJudge& judge) const;
   /// The output of frames that were killed before their line was written: they are recognized again.
   void remove_unfinished_folders(const std::set<fs::path>& kept) const;
 
@@ -163,6 +199,15 @@ Dataset Experiment::dataset(const PartGroup& group, const std::string& config_fi
 }
 
 std::vector<TestScene> Experiment::scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
+  auto all = all_scenes(group, protocol);
+  const auto most = static_cast<std::size_t>(spec_.most_frames);
+  if (most == 0 || all.size() <= most) return all;
+  std::vector<TestScene> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(std::move(all[i * all.size() / most]));
+  return some;
+}
+
+std::vector<TestScene> Experiment::all_scenes(const PartGroup& group, const ExperimentProtocol& protocol) const {
   if (protocol.left_out && parts_of(group).size() < 2) return {};  // the catalogue would be empty
   if (!protocol.captured.empty()) return captured_scenes(group, protocol);
   if (!protocol.scenes.empty()) return drawn_scenes(group, protocol);
@@ -183,7 +228,10 @@ std::vector<TestScene> Experiment::scenes(const PartGroup& group, const Experime
                         read,
                         {{model.name, test.camera_from_model(m, v), model.id, view_id}},
                         camera.intrinsics(),
-                        AmbiguityOptions::of(camera.noise)});
+                        AmbiguityOptions::of(camera.noise),
+                        {},
+                        camera.noise.model == "gaussianray" ? camera.noise.standard_deviation_mm : 0.0});
+      scenes.back().objects = one_object(scenes.back().truths);
     }
   }
   return scenes;
@@ -204,8 +252,12 @@ std::vector<TestScene> Experiment::captured_scenes(const PartGroup& group, const
     std::vector<GroundTruth> truths;
     for (const auto& pose : scene.camera_from_model) truths.push_back({scene.model_name, pose});
     if (truths.empty()) truths.push_back({});
-    scenes.push_back(
-        {scene.path.filename().string(), [path = scene.path] { return read_scene(path); }, truths, {}, {}});
+    scenes.push_back({scene.path.filename().string(),
+                      [path = scene.path] { return read_scene(path); },
+                      truths,
+                      {},
+                      {},
+                      one_object(truths)});
   }
   return scenes;
 }
@@ -215,13 +267,13 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
   if (protocol.left_out && options.scene.parts[1] > 1)
     throw Error("{}: scene.parts: for \"left_out\" a frame must show one part at most, or the others are rightly found",
                 protocol.scenes);
-  const fs::path folder = data_folder(group, fmt::format("{} frames of {}", protocol.frames, to_json(options).dump()));
+  const int frames = spec_.most_frames > 0 ? std::min(protocol.frames, spec_.most_frames) : protocol.frames;
+  const fs::path folder = data_folder(group, fmt::format("{} frames of {}", frames, to_json(options).dump()));
   if (!fs::exists(folder)) {
     std::vector<ScenePart> parts;
     for (const auto& part : parts_of(group)) parts.push_back({part.name, part.mesh});
     fs::create_directories(folder.parent_path());
-    write_scene_dataset(std::move(parts), {}, options, static_cast<std::size_t>(protocol.frames), folder, {},
-                        progress_);
+    write_scene_dataset(std::move(parts), {}, options, static_cast<std::size_t>(frames), folder, {}, progress_);
   }
   const SceneDataset drawn = read_scene_dataset(folder);
   AmbiguityOptions noise;
@@ -236,8 +288,13 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
   for (const auto& [scene_id, bop_scene] : drawn.bop.scenes) {
     for (const auto& image : bop_scene.images) {
       std::vector<GroundTruth> truths;
-      for (const auto& truth : image.ground_truths)
+      std::vector<ObjectTruth> objects;
+      for (const auto& truth : image.ground_truths) {
         truths.push_back({drawn.part_names.at(truth.obj_id), truth.camera_from_model, truth.obj_id});
+        objects.push_back({drawn.part_names.at(truth.obj_id),
+                           {truth.camera_from_model},
+                           truth.visibility ? truth.visibility->visib_fract : 1.0});
+      }
       if (truths.empty()) truths.push_back({});
       const auto read = [bop_scene, image] {
         Scene scene;
@@ -247,7 +304,7 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
         scene.cloud = to_point_cloud(*scene.depth, *scene.intrinsics);
         return scene;
       };
-      scenes.push_back({fmt::format("scene_{}_image_{}", scene_id, image.id), read, truths, {}, noise});
+      scenes.push_back({fmt::format("scene_{}_image_{}", scene_id, image.id), read, truths, {}, noise, objects});
     }
   }
   return scenes;
@@ -301,12 +358,13 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
   blank.descriptor = descriptor;
   blank.left_out = protocol.left_out;
 
+  const std::vector<TestScene> shown = scenes(group, protocol);
   std::vector<TestScene> left;
-  for (auto& scene : scenes(group, protocol)) {
+  for (const auto& scene : shown) {
     if (finished_.count({blank.run, scene.name}))
       ++done_;
     else
-      left.push_back(std::move(scene));
+      left.push_back(scene);
   }
   if (left.empty()) return;
 
@@ -316,14 +374,14 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
     config.global_descriptor = descriptor;
     config.check();
   }
+  const bool meshes_only = configuration.pipeline.empty() && configuration.recognizer == "engine";
+  const Catalogue all =
+      meshes_only ? mesh_catalogue(parts_of(group)) : load_catalogue(dataset(group, spec_.database), config, progress_);
   const auto make = [&](Catalogue catalogue) -> std::unique_ptr<PartRecognizer> {
-    if (configuration.pipeline.empty() && configuration.recognizer == "engine")
-      return std::make_unique<Engine>(std::move(catalogue));
+    if (meshes_only) return std::make_unique<Engine>(std::move(catalogue));
     if (configuration.pipeline.empty()) return std::make_unique<Recognizer>(std::move(catalogue));
     return std::make_unique<GlobalPipeline>(std::move(catalogue), config);
   };
-  const Catalogue all = load_catalogue(dataset(group, spec_.database), config, progress_);
-
   const PoseJudge judge(all);
 
   // One recognizer for all scenes, or one without the part for the scenes of each part.
@@ -345,6 +403,52 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
       for (std::size_t i = 0; i < count; ++i) one(i);
     begin = end;
   }
+  if (spec_.save_frames != "none") draw_failures(blank.run, shown, judge);
+}
+
+void Experiment::draw_failures(const std::string& run, const std::vector<TestScene>& scenes,
+                               const PoseJudge& judge) const {
+  std::vector<std::pair<Failure, FrameRecord>> failures;
+  for (auto& record : read_frame_records(output_))
+    if (record.run == run)
+      if (const auto failure = failure_of(record)) failures.emplace_back(*failure, std::move(record));
+  std::sort(failures.begin(), failures.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first, a.second.frame) < std::tie(b.first, b.second.frame);
+  });
+  const fs::path folder = output_ / "failures";
+  const std::string name = file_name_of(run);
+  fs::remove(folder / (name + ".png"));
+  fs::remove(folder / (name + ".md"));
+  if (failures.empty()) return;
+  constexpr std::size_t most_pictures = 60;
+  constexpr int columns = 4;
+  const std::size_t drawn = std::min(failures.size(), most_pictures);
+  std::string list = fmt::format(
+      "# Failing frames: {}\n\n![failing frames]({}.png)\n\nRow by row as in the picture{}. Green: where the objects "
+      "are; orange: what was recognized.\n\n| row, column | what went wrong | frame | shown | recognized as | score | "
+      "MSSD / diameter [%] |\n|---|---|---|---|---|---:|---:|\n",
+      run, name, drawn < failures.size() ? fmt::format(", which has the first {}", drawn) : "");
+  std::vector<ColourImage> pictures(drawn);
+  const auto draw_one = [&](std::size_t i) {
+    const FrameRecord& record = failures[i].second;
+    const auto scene =
+        std::find_if(scenes.begin(), scenes.end(), [&](const auto& s) { return s.name == record.frame; });
+    const auto frame = scene == scenes.end() ? std::nullopt : judged_frame(*scene, scene->read());
+    pictures[i] = frame ? picture_of_failure(record, scene->objects, judge, *frame)
+                        : draw_overlay(DepthImage(320, 240), {320, 240, 300, 300, 159.5, 119.5}, std::nullopt);
+  };
+  parallel_for(drawn, draw_one);
+  for (std::size_t i = 0; i < failures.size(); ++i) {
+    const auto& [failure, record] = failures[i];
+    const Evaluation& e = record.evaluation;
+    list += fmt::format("| {} | {} | {} | {} | {} | {:.3f} | {} |\n",
+                        i < drawn ? fmt::format("{}, {}", i / columns + 1, i % columns + 1) : "-", name_of(failure),
+                        record.frame, e.ground_truth_model_name, record.result.model_name, record.score,
+                        e.mssd_mm && e.diameter_mm ? fmt::format("{:.1f}", 100 * *e.mssd_mm / *e.diameter_mm) : "-");
+  }
+  fs::create_directories(folder);
+  write_png(folder / (name + ".png"), tile(pictures, columns));
+  write_file_atomically(folder / (name + ".md"), list);
 }
 
 FrameRecord Experiment::recognize(const TestScene& test, const PartRecognizer& recognizer, const PoseJudge& judge,
@@ -353,7 +457,13 @@ FrameRecord Experiment::recognize(const TestScene& test, const PartRecognizer& r
   const Recognition recognition = recognizer.recognize(scene);
   record.frame = test.name;
   record.result = recognition.result;
-  record.evaluation = best_evaluation(recognition.result, test, scene, judge);
+  const auto frame = judged_frame(test, scene);
+  record.evaluation = best_evaluation(recognition.result, test, frame, judge);
+  if (frame)
+    record.objects = judge_objects(detections_of(recognition, recognizer.catalogue()),
+                                   record.left_out ? std::vector<ObjectTruth>{} : test.objects, judge, *frame);
+  if (test.range_noise_mm > 0 && record.evaluation.recognized_correctly && !record.left_out)
+    record.bound = bound_of(recognition.result, test, judge);
   if (record.left_out) record.evaluation.recognized_correctly = recognition.accepted < 0;
   for (const auto& candidate : recognition.candidates) {
     if (candidate.score <= record.score) continue;
@@ -435,6 +545,7 @@ void ExperimentSpec::check() const {
   check_names(configurations, "configurations");
   if (descriptors.empty()) throw Error("descriptors: give at least one");
   for (const auto& descriptor : descriptors) make_global_descriptor(descriptor, {});
+  if (most_frames < 0) throw Error("most_frames {}: must be 0 or more", most_frames);
   if (!(limit_deg > 0)) throw Error("limit_deg {}: must be positive", limit_deg);
   if (!(limit_mm > 0)) throw Error("limit_mm {}: must be positive", limit_mm);
   if (save_frames != "none" && save_frames != "failures" && save_frames != "all")

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "partpose/core/progress.hpp"
+#include "partpose/evaluation/object_judge.hpp"
 #include "partpose/pipeline/records.hpp"
 
 #include <filesystem>
@@ -77,6 +78,7 @@ struct ExperimentSpec {
   std::string database;
   std::vector<std::string> descriptors = {"vfh"};
   std::vector<ExperimentConfiguration> configurations = {{"default", ""}};
+  int most_frames = 0;
   double limit_deg = 15;
   double limit_mm = 15;
   std::string save_frames = "failures";
@@ -90,6 +92,8 @@ struct ExperimentSpec {
     visit("database", self.database, "dataset configuration (JSON) of the catalogue's views; empty: the defaults");
     visit("descriptors", self.descriptors, "global descriptors that a configuration is run with, in place of its own");
     visit("configurations", self.configurations, "which pipelines recognize them");
+    visit("most_frames", self.most_frames,
+          "at most so many frames of each protocol, spread evenly over it; 0: all of them");
     visit("limit_deg", self.limit_deg, "a pose is right below this rotation error [deg], > 0");
     visit("limit_mm", self.limit_mm, "a pose is right below this translation error [mm], > 0");
     visit("save_frames", self.save_frames,
@@ -98,6 +102,24 @@ struct ExperimentSpec {
           "several frames side by side; false: times are those of an idle machine");
   }
   void check() const;
+};
+
+/// The error of a right part's pose beside the Cramer-Rao bound of the frame (pose_bound()), both about the middle of
+/// the part's box; up to the part's symmetry.
+struct BoundRecord {
+  bool determined = false;
+  double rotation_deg = 0, translation_mm = 0;
+  double rotation_error_deg = 0, translation_error_mm = 0;
+
+  static constexpr bool all_keys_required = true;
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("determined", self.determined, "whether the ranges determine the pose; without it the rest is 0");
+    visit("rotation_deg", self.rotation_deg, "bound of the rotation: root of the trace [deg]");
+    visit("translation_mm", self.translation_mm, "bound of the translation: root of the trace [mm]");
+    visit("rotation_error_deg", self.rotation_error_deg, "reached [deg]");
+    visit("translation_error_mm", self.translation_error_mm, "reached [mm]");
+  }
 };
 
 /// What one frame of one run gave: one line of frames.jsonl.
@@ -113,7 +135,9 @@ struct FrameRecord {
   std::string reason;          ///< why nothing was recognized
   std::vector<MeasuredOperation> stages;
   double time_ms = 0;
-  std::string folder;  ///< of the frame's output, relative to the experiment's; empty: not kept
+  std::optional<FrameObjects> objects;  ///< absent in the records of older versions
+  std::optional<BoundRecord> bound;     ///< where the noise is known and the part is right
+  std::string folder;                   ///< of the frame's output, relative to the experiment's; empty: not kept
 
   static constexpr bool all_keys_required = true;
   template <typename Self, typename Visit>
@@ -132,6 +156,8 @@ struct FrameRecord {
     visit("reason", self.reason, "why nothing was recognized");
     visit("stages", self.stages, "time of each step");
     visit("time_ms", self.time_ms, "time of the frame [ms]");
+    visit("objects", self.objects, "each object of the frame and each detection");
+    visit("bound", self.bound, "the physical limit beside the error; where the noise is known and the part is right");
     visit("folder", self.folder, "of the frame's output; empty: not kept");
   }
 };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/evaluation/experiment_tables.hpp"
 
+#include "partpose/evaluation/calibration.hpp"
 #include "partpose/evaluation/plot.hpp"
 #include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/io/file.hpp"
@@ -162,6 +163,48 @@ Table time_table(const Runs& runs) {
   return table;
 }
 
+/// Each object asked for, and each detection.
+Table objects_table(const Runs& runs) {
+  Table table({"Descriptor", "Objects", "Found", "Found [%]", "Pose right [%]", "Detections", "Wrong", "Wrong [%]"});
+  for (const auto* run : runs)
+    table.add({short_name(*run), number(run->objects), number(run->objects_found),
+               number(share_percent(run->objects_found, run->objects)),
+               number(share_percent(run->objects_pose_right, run->objects)), number(run->detections),
+               number(run->wrong_detections), number(share_percent(run->wrong_detections, run->detections))});
+  return table;
+}
+
+Table bounds_table(const Runs& runs) {
+  Table table({"Descriptor", "Frames", "Left out", "Rotation bound [deg]", "Rotation error / bound",
+               "Translation bound [mm]", "Translation error / bound"});
+  for (const auto* run : runs)
+    table.add({short_name(*run), number(static_cast<int>(run->rotation_bounds_deg.size())),
+               number(run->bounds_undetermined), fmt::format("{:.3f}", quantile(run->rotation_bounds_deg, 0.5)),
+               number(quantile(run->rotation_over_bound, 0.5)),
+               fmt::format("{:.3f}", quantile(run->translation_bounds_mm, 0.5)),
+               number(quantile(run->translation_over_bound, 0.5))});
+  return table;
+}
+
+Table reliability_table(const Reliability& stated) {
+  Table table({"Confidence", "Detections", "Right", "Right [%]", "Mean confidence [%]"});
+  for (const auto& bin : stated.bins)
+    table.add({fmt::format("{:.1f} to {:.1f}", bin.from, bin.to), number(bin.count), number(bin.right),
+               bin.count ? number(100 * bin.share_right()) : "-", bin.count ? number(100 * bin.mean_confidence) : "-"});
+  return table;
+}
+
+/// What the recognizer accepts by its own decision: of parts that it knows, and of parts that it does not.
+Table decision_table(const std::vector<RunSummary>& summaries) {
+  Table table(
+      {"Group", "Protocol", "Configuration", "Part", "Frames", "Accepted", "Accepted [%]", "As the right part [%]"});
+  for (const auto& run : summaries)
+    table.add({run.group, run.protocol, short_name(run), run.left_out ? "not in the catalogue" : "known",
+               number(run.frames), number(run.accepted), number(run.percent(run.accepted)),
+               run.left_out ? "-" : number(run.percent(run.correct))});
+  return table;
+}
+
 struct AcceptCurve {
   std::string name;
   std::vector<AcceptPoint> points;
@@ -206,6 +249,27 @@ std::vector<RunSummary> summarize_runs(const std::vector<FrameRecord>& records, 
     it->mssd_10 += near;
     it->mssd_5 += evaluation.recognized_correctly && mssd_below(evaluation, 0.05);
     it->seen_right += near || evaluation.indistinguishable.value_or(false);
+    it->accepted += recognized_something;
+    if (record.objects) {
+      for (const auto& object : record.objects->objects) {
+        if (object.visible_fraction < counted_visibility) continue;
+        ++it->objects;
+        it->objects_found += object.detection >= 0;
+        it->objects_pose_right += object.pose_right;
+      }
+      for (const auto& detection : record.objects->detections) {
+        ++it->detections;
+        it->wrong_detections += !detection.part_right;
+        it->confidences.emplace_back(detection.confidence, detection.right);
+      }
+    }
+    if (record.bound && !record.bound->determined) ++it->bounds_undetermined;
+    if (record.bound && record.bound->determined) {
+      it->rotation_bounds_deg.push_back(record.bound->rotation_deg);
+      it->translation_bounds_mm.push_back(record.bound->translation_mm);
+      it->rotation_over_bound.push_back(record.bound->rotation_error_deg / record.bound->rotation_deg);
+      it->translation_over_bound.push_back(record.bound->translation_error_mm / record.bound->translation_mm);
+    }
     ++it->confusion[{evaluation.ground_truth_model_name, recognized_something ? record.result.model_name : ""}];
     it->times_ms.push_back(record.time_ms);
     for (const auto& stage : record.stages) it->stage_ms[stage.tag].push_back(stage.measure_ms);
@@ -310,6 +374,19 @@ void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec
     entry["mssd_under_10_percent"] = run.mssd_10;
     entry["mssd_under_5_percent"] = run.mssd_5;
     entry["mssd_under_10_percent_or_indistinguishable"] = run.seen_right;
+    entry["accepted"] = run.accepted;
+    entry["objects"] = run.objects;
+    entry["objects_found"] = run.objects_found;
+    entry["objects_pose_right"] = run.objects_pose_right;
+    entry["detections"] = run.detections;
+    entry["wrong_detections"] = run.wrong_detections;
+    entry["expected_calibration_error"] = reliability(run.confidences).expected_error;
+    if (!run.rotation_bounds_deg.empty() || run.bounds_undetermined > 0) {
+      entry["bound"]["frames"] = run.rotation_bounds_deg.size();
+      entry["bound"]["frames_left_out"] = run.bounds_undetermined;
+      entry["bound"]["rotation_error_over_bound"] = quantile(run.rotation_over_bound, 0.5);
+      entry["bound"]["translation_error_over_bound"] = quantile(run.translation_over_bound, 0.5);
+    }
     entry["median_ms"] = quantile(run.times_ms, 0.5);
     json["runs"].push_back(entry);
   }
@@ -342,10 +419,36 @@ void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec
           "errors]({})\n",
           spec.limit_deg, spec.limit_mm, pose_table(runs).markdown(), rotation_file, translation_file);
     }
+    if (std::any_of(runs.begin(), runs.end(), [](const auto* run) { return run->detections > 0 || run->objects > 0; }))
+      page += fmt::format(
+          "\nObjects: all parts of the catalogue of which {:.0f} % or more are seen, each to be found by a detection "
+          "of "
+          "its own; a detection is wrong when it names a part that is not there:\n\n{}",
+          100 * counted_visibility, objects_table(runs).markdown());
+    if (std::any_of(runs.begin(), runs.end(),
+                    [](const auto* run) { return run->bounds_undetermined > 0 || !run->rotation_bounds_deg.empty(); }))
+      page += fmt::format(
+          "\nThe physical limit: medians over the frames with the right part of the Cramer-Rao bound, and of error / "
+          "bound; frames whose ranges do not determine the pose are left out:\n\n{}",
+          bounds_table(runs).markdown());
     page += fmt::format("\nConfusion of {}:\n\n{}\nTime per step, median [ms]{}:\n\n{}", short_name(best),
                         confusion_table(best).markdown(),
                         spec.parallel_frames ? " (frames side by side, each on what the others leave)" : "",
                         time_table(runs).markdown());
+  }
+
+  for (const auto& configuration : spec.configurations) {
+    std::vector<std::pair<double, bool>> all;
+    for (const auto& run : summaries)
+      if (run.configuration == configuration.name)
+        all.insert(all.end(), run.confidences.begin(), run.confidences.end());
+    if (all.empty()) continue;
+    const Reliability stated = reliability(all);
+    page += fmt::format(
+        "\n## Confidence of {}\n\nHow often detections are right (part and pose, up to what the camera can tell) that "
+        "are stated to be so with this probability; all protocols together, parts that are not in the catalogue among "
+        "them. Expected calibration error: {:.2f} points, of {} detections.\n\n{}",
+        configuration.name, 100 * stated.expected_error, stated.count, reliability_table(stated).markdown());
   }
 
   const auto curves = accept_curves(records, summaries);
@@ -364,7 +467,11 @@ void write_tables(const std::vector<FrameRecord>& unsorted, const ExperimentSpec
     write_file_atomically(output / "accepts.svg",
                           percent_plot_svg("Accepting above a score", "false accepts, parts not in the catalogue [%]",
                                            "true accepts, right part [%]", lines));
-    page += "\n## Parts that are not in the catalogue\n\n![false against true accepts](accepts.svg)\n";
+    page += fmt::format(
+        "\n## Parts that are not in the catalogue\n\nBy the recognizer's own decision:\n\n{}\nBy other thresholds on "
+        "its "
+        "score:\n\n![false against true accepts](accepts.svg)\n",
+        decision_table(summaries).markdown());
   }
 
   Table errors(

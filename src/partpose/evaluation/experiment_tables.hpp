@@ -6,6 +6,9 @@
 
 namespace partpose {
 
+/// Objects of which less is seen are not asked for.
+inline constexpr double counted_visibility = 0.6;
+
 /// What the frames of one run came to.
 struct RunSummary {
   std::string run, group, protocol, configuration, descriptor;
@@ -18,7 +21,17 @@ struct RunSummary {
   std::vector<double> rotation_errors_deg, translation_errors_mm;  ///< of the correct ones
   std::vector<double> times_ms;
   std::map<std::string, std::vector<double>> stage_ms;
-  std::map<std::pair<std::string, std::string>, int> confusion;  ///< shown, recognized as ("": none)
+  int objects = 0;             ///< of the catalogue, seen by `counted_visibility` at least
+  int objects_found = 0;       ///< of them, those that a detection names where they are
+  int objects_pose_right = 0;  ///< of them, those whose pose is right, or that cannot be told from the detection
+  int detections = 0;
+  int wrong_detections = 0;                          ///< of them, those that name a part that is not there
+  std::vector<std::pair<double, bool>> confidences;  ///< of each detection, and whether it is right
+  int accepted = 0;                                  ///< frames in which something was recognized
+  int bounds_undetermined = 0;                       ///< right frames whose ranges do not determine the pose
+  std::vector<double> rotation_bounds_deg, translation_bounds_mm;   ///< of the other right frames
+  std::vector<double> rotation_over_bound, translation_over_bound;  ///< their errors, in shares of the bound
+  std::map<std::pair<std::string, std::string>, int> confusion;     ///< shown, recognized as ("": none)
 
   double percent(int count) const { return frames ? 100.0 * count / frames : 0; }
 };

@@ -304,6 +304,38 @@ TEST(WriteTables, FiguresByHand) {
   EXPECT_FALSE(fs::exists(folder.path() / "accepts.csv")) << "no parts were left out";
 }
 
+TEST(WriteTables, ObjectsConfidenceAndBoundByHand) {
+  const TemporaryFolder folder;
+  std::vector<FrameRecord> records = {with_mssd(record_of("f0", "a", "a", 1, 2), 4, true),
+                                      of_protocol(record_of("f0", "a", "b"), "left out")};
+  records[0].objects.emplace();
+  // One found and right, one found and wrong, one missed, one of which too little is seen.
+  records[0].objects->objects = {{"a", 1, 0, true}, {"a", 0.6, 1, false}, {"b", 0.9, -1, false}, {"b", 0.5, -1, false}};
+  records[0].objects->detections.resize(3);
+  for (auto& detection : records[0].objects->detections) detection.confidence = 0.95;
+  records[0].objects->detections[0].part_right = records[0].objects->detections[0].right = true;
+  records[0].objects->detections[1].part_right = true;
+  records[0].bound = BoundRecord{true, 0.5, 0.1, 1.0, 0.15};
+  records[1].objects.emplace();
+  records[1].objects->detections.resize(1);
+  records[1].objects->detections[0].confidence = 0.15;
+  write_tables(records, spec_of({"seen", "left out"}), folder.path());
+  const std::string page = read_file(folder.path() / "tables.md");
+  // 0.95 stated for 3, of which 1 is right; 0.15 for 1 that is wrong: (3 x |1/3 - 0.95| + 0.15) / 4 = 0.5.
+  for (const char* line :
+       {"| D vfh | 3 | 2 | 66.67 | 33.33 | 3 | 1 | 33.33 |\n",
+        "Expected calibration error: 50.00 points, of 4 detections.", "| 0.9 to 1.0 | 3 | 1 | 33.33 | 95.00 |\n",
+        "| 0.1 to 0.2 | 1 | 0 | 0.00 | 15.00 |\n", "| D vfh | 1 | 0 | 0.500 | 2.00 | 0.100 | 1.50 |\n",
+        "| parts | seen | D vfh | known | 1 | 1 | 100.00 | 100.00 |\n",
+        "| parts | left out | D vfh | not in the catalogue | 1 | 1 | 100.00 | - |\n"})
+    EXPECT_PRED2(shapes::mentions, page, line);
+  const Json run = read_json_file(folder.path() / "tables.json")["runs"][0];
+  EXPECT_EQ(run["objects"], 3);
+  EXPECT_EQ(run["objects_found"], 2);
+  EXPECT_EQ(run["wrong_detections"], 1);
+  EXPECT_NEAR(run["bound"]["translation_error_over_bound"].get<double>(), 1.5, 1e-9);
+}
+
 TEST(WriteTables, TheAcceptCurvePairsTheRunsOfOneConfiguration) {
   const TemporaryFolder folder;
   FrameRecord known = scored("a", 0.8f, true, false), unknown = of_protocol(scored("a", 0.6f, false, true), "left out");

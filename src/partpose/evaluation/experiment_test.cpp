@@ -340,6 +340,74 @@ TEST_F(Experiments, DrawnScenes) {
   EXPECT_PRED2(mentions, error_of_run(spec, "two parts"), "scene.parts");
 }
 
+TEST_F(Experiments, TheEngineNeedsMeshesAlone) {
+  Json spec = small_spec();
+  spec["protocols"] = {{{"name", "noisy"}, {"views", "noisy_views.json"}},
+                       {{"name", "left out"}, {"views", "noisy_views.json"}, {"left_out", true}}};
+  spec["configurations"] = {{{"name", "engine"}, {"recognizer", "engine"}}};
+  spec["save_frames"] = "all";
+  spec["most_frames"] = 7;
+  const auto records = run(spec);
+  ASSERT_EQ(records.size(), 14u);
+  int folders = 0;  // the scenes' dataset, none for the catalogue
+  for (const auto& entry : fs::directory_iterator(folder / "out/datasets")) folders += entry.is_directory();
+  EXPECT_EQ(folders, 1);
+  std::set<std::string> shown;
+  int bounds = 0;
+  for (const auto& r : records) {
+    shown.insert(r.evaluation.ground_truth_model_name);
+    ASSERT_TRUE(r.objects.has_value());
+    EXPECT_EQ(r.objects->objects.size(), r.left_out ? 0u : 1u);
+    EXPECT_TRUE(fs::exists(folder / "out" / r.folder / "result.json"));
+    if (!r.objects->objects.empty() && r.evaluation.recognized_correctly) {
+      EXPECT_EQ(r.objects->objects[0].part, r.evaluation.ground_truth_model_name);
+      EXPECT_EQ(r.objects->objects[0].detection, 0);
+    }
+    EXPECT_EQ(r.bound.has_value(), !r.left_out && r.evaluation.recognized_correctly);
+    if (r.bound && r.bound->determined) {
+      ++bounds;
+      EXPECT_GT(r.bound->translation_mm, 0.01);
+      EXPECT_LT(r.bound->translation_mm, 2);
+    }
+  }
+  EXPECT_EQ(shown.size(), 2u);  // spread over all of the protocol
+  EXPECT_GT(bounds, 0);
+  const std::string page = read_file(folder / "out/tables.md");
+  for (const char* words :
+       {"each to be found", "Cramer-Rao", "## Confidence of engine", "| not in the catalogue | 7 |"})
+    EXPECT_PRED2(mentions, page, words);
+
+  // The argument stands before the file.
+  write_json_file(folder / "spec.json", spec);
+  EXPECT_EQ(run_experiment(folder / "spec.json", folder / "few", {}, 3).size(), 6u);
+  spec["most_frames"] = -1;
+  EXPECT_PRED2(mentions, error_of_run(spec, "bad"), "most_frames -1: must be 0 or more");
+}
+
+TEST_F(Experiments, EveryObjectOfAFrameIsAskedFor) {
+  Json spec = small_spec();
+  const Json scenes = {{"scene", {{"parts", {2, 2}}, {"contact", "touching"}, {"least_visible_fraction", 0.6}}},
+                       {"sensor", {{"model", "none"}}}};
+  write_json_file(folder / "scenes.json", scenes);
+  spec["protocols"] = {{{"name", "touching"}, {"scenes", "scenes.json"}, {"frames", 3}}};
+  spec["configurations"] = {{{"name", "engine"}, {"recognizer", "engine"}}};
+  spec["save_frames"] = "failures";
+  const auto records = run(spec);
+  ASSERT_EQ(records.size(), 3u);
+  bool fails = false;
+  for (const auto& r : records) {
+    ASSERT_EQ(r.objects->objects.size(), 2u);
+    EXPECT_NE(r.objects->objects[0].part, r.objects->objects[1].part);
+    for (const auto& object : r.objects->objects) {
+      EXPECT_GE(object.visible_fraction, 0.6);
+      fails = fails || !object.pose_right;
+    }
+    for (const auto& detection : r.objects->detections) fails = fails || detection.object < 0;
+  }
+  EXPECT_EQ(summarize_runs(records, ExperimentSpec{})[0].objects, 6);
+  EXPECT_EQ(fs::exists(folder / "out/failures"), fails);
+}
+
 TEST_F(Experiments, CapturedScenesOfTheGroupsParts) {
   Json spec = small_spec();
   spec["protocols"] = {{{"name", "captured"}, {"captured", (root / "scenes").string()}, {"kinds", {"instance"}}}};

@@ -6,6 +6,7 @@
 #include "partpose/evaluation/ambiguity.hpp"
 #include "partpose/pipeline/catalogue.hpp"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct JudgedFrame {
 /// Judges results by figures that know the parts' symmetries and what a camera can tell apart. Immutable, thread-safe.
 class PoseJudge {
  public:
-  /// The parts' symmetries are those that their dataset states; they are searched for where it states none.
+  /// The parts' symmetries are those that their dataset states; they are searched for where it states none, when a
+  /// part is first judged.
   explicit PoseJudge(const Catalogue& catalogue);
   ~PoseJudge();
   PoseJudge(PoseJudge&&) noexcept;
@@ -34,10 +36,29 @@ class PoseJudge {
   /// Largest distance of two vertices. Throws Error for a part that is not in the catalogue.
   double diameter_mm(const std::string& part) const;
 
+  /// Of the poses that are the same as `truth` by the part's symmetry the one nearest to `estimate`: in which no vertex
+  /// is farther than the MSSD from where it is in `estimate`. Throws Error for a part that is not in the catalogue.
+  Eigen::Isometry3d nearest_equivalent(const std::string& part, const Eigen::Isometry3d& estimate,
+                                       const Eigen::Isometry3d& truth) const;
+
+  /// MSSD of an estimate. Throws Error for a part that is not in the catalogue.
+  double deviation_mm(const std::string& part, const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth) const;
+
+  /// Whether the camera cannot tell one part at its pose from another. Throws Error for parts not in the catalogue.
+  bool same_to_camera(const std::string& part_a, const Eigen::Isometry3d& camera_from_a, const std::string& part_b,
+                      const Eigen::Isometry3d& camera_from_b, const JudgedFrame& frame) const;
+
+  /// The part's mesh. Throws Error for a part that is not in the catalogue.
+  const TriangleMesh& mesh(const std::string& part) const;
+
+  /// Whether the part may be turned about an axis by any angle.
+  bool is_continuous(const std::string& part) const;
+
  private:
   struct Part;
   const Part* find(const std::string& name) const;
-  std::vector<Part> parts_;
+  const Part& get(const std::string& name) const;
+  std::vector<std::unique_ptr<Part>> parts_;
 };
 
 /// Whether the largest deviation (MSSD) is below a share of the part's diameter.

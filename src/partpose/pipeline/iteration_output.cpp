@@ -22,10 +22,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The candidate's view, as it is in the dataset, where the candidate lies.
+/// The candidate's view, as it is in the dataset, where the candidate lies; without a dataset the mesh's corners.
 PointCloud placed_view(const Candidate& candidate, const Catalogue& catalogue) {
   const auto& view = catalogue.views[candidate.view_row];
   const auto& part = catalogue.parts[view.part];
+  if (catalogue.dataset.folder.empty()) {
+    PointCloud corners;
+    corners.points = part.mesh.vertices;
+    return transformed(corners, candidate.camera_from_model);
+  }
   const PointCloud cloud = without_missing(read_pcd(catalogue.dataset.view_path(part.id, view.id)));
   return transformed(cloud, candidate.camera_from_model * (view.T2 * part.T1).inverse());
 }
@@ -63,10 +68,17 @@ void write_meshes(const fs::path& folder, const Catalogue& catalogue, std::vecto
   for (auto& candidate : candidates) {
     auto& name = name_of[candidate.model_id];
     if (name.empty()) {
-      const std::string bytes = read_file(catalogue.dataset.mesh_path(candidate.model_id));
-      name = fmt::format("meshes/{}_{}.stl", candidate.model_name, content_hash(bytes));
       fs::create_directories(folder / "meshes");
-      if (!fs::exists(folder / name)) write_file_atomically(folder / name, bytes);
+      if (catalogue.dataset.folder.empty()) {
+        const auto part = std::find_if(catalogue.parts.begin(), catalogue.parts.end(),
+                                       [&](const CataloguePart& p) { return p.id == candidate.model_id; });
+        name = fmt::format("meshes/{}_{}.stl", candidate.model_name, content_hash(part->mesh));
+        if (!fs::exists(folder / name)) write_stl(folder / name, part->mesh);
+      } else {
+        const std::string bytes = read_file(catalogue.dataset.mesh_path(candidate.model_id));
+        name = fmt::format("meshes/{}_{}.stl", candidate.model_name, content_hash(bytes));
+        if (!fs::exists(folder / name)) write_file_atomically(folder / name, bytes);
+      }
     }
     candidate.mesh = name;
   }

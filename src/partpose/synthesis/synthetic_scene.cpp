@@ -170,6 +170,75 @@ struct Body {
   }
 };
 
+/// How far a body reaches along a level direction, for each line of that direction: what meets first when it slides.
+/// Lines are sampled every half millimetre across and in height.
+class Reach {
+ public:
+  static constexpr double cell_mm = 0.5;
+
+  /// `sign` 1: how far it reaches along +x; -1: along -x. `across_from_model`: x along the direction, z up.
+  Reach(const TriangleMesh& mesh, const Eigen::Isometry3d& across_from_model, double sign) {
+    std::vector<Eigen::Vector3d> corners;
+    Eigen::AlignedBox3d box;
+    for (const auto& vertex : mesh.vertices) {
+      corners.push_back(across_from_model * vertex.cast<double>());
+      corners.back().x() *= sign;
+      box.extend(corners.back());
+    }
+    y0_ = cell_of(box.min().y()) - 1;
+    z0_ = cell_of(box.min().z()) - 1;
+    columns_ = cell_of(box.max().y()) + 2 - y0_;
+    rows_ = cell_of(box.max().z()) + 2 - z0_;
+    farthest_.assign(static_cast<std::size_t>(columns_) * rows_, -std::numeric_limits<double>::infinity());
+    for (const auto& c : corners) add(cell_of(c.y()), cell_of(c.z()), c.x());
+    for (const auto& t : mesh.triangles) add_triangle(corners[t[0]], corners[t[1]], corners[t[2]]);
+  }
+
+  /// A sampled line knows nothing of what lies between it and its neighbours: the farthest of them stands for it.
+  Reach grown() const {
+    Reach out = *this;
+    for (int z = 1; z + 1 < rows_; ++z)
+      for (int y = 1; y + 1 < columns_; ++y)
+        for (int dz = -1; dz <= 1; ++dz)
+          for (int dy = -1; dy <= 1; ++dy) out.at(y + dy, z + dz) = std::max(out.at(y + dy, z + dz), at(y, z));
+    return out;
+  }
+
+  /// How far `coming` (seen along -x) is from meeting this body (seen along +x), moved against x; infinite when it
+  /// passes by.
+  double distance_to(const Reach& coming) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (int z = std::max(z0_, coming.z0_); z < std::min(z0_ + rows_, coming.z0_ + coming.rows_); ++z)
+      for (int y = std::max(y0_, coming.y0_); y < std::min(y0_ + columns_, coming.y0_ + coming.columns_); ++y)
+        least = std::min(least, -coming.at(y - coming.y0_, z - coming.z0_) - at(y - y0_, z - z0_));
+    return least;
+  }
+
+ private:
+  static int cell_of(double mm) { return static_cast<int>(std::floor(mm / cell_mm)); }
+  double& at(int y, int z) { return farthest_[static_cast<std::size_t>(z) * columns_ + y]; }
+  double at(int y, int z) const { return farthest_[static_cast<std::size_t>(z) * columns_ + y]; }
+  void add(int y, int z, double x) { at(y - y0_, z - z0_) = std::max(at(y - y0_, z - z0_), x); }
+
+  void add_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+    const Eigen::Vector2d A = a.tail<2>(), AB = b.tail<2>() - A, AC = c.tail<2>() - A;
+    const double area = AB.x() * AC.y() - AB.y() * AC.x();
+    if (std::abs(area) < 1e-9) return;  // seen on edge: its neighbours cover it
+    const double low_y = std::min({a.y(), b.y(), c.y()}), high_y = std::max({a.y(), b.y(), c.y()});
+    const double low_z = std::min({a.z(), b.z(), c.z()}), high_z = std::max({a.z(), b.z(), c.z()});
+    for (int z = cell_of(low_z); z <= cell_of(high_z); ++z)
+      for (int y = cell_of(low_y); y <= cell_of(high_y); ++y) {
+        const Eigen::Vector2d p = Eigen::Vector2d((y + 0.5) * cell_mm, (z + 0.5) * cell_mm) - A;
+        const double u = (p.x() * AC.y() - p.y() * AC.x()) / area, v = (AB.x() * p.y() - AB.y() * p.x()) / area;
+        if (u < 0 || v < 0 || u + v > 1) continue;
+        add(y, z, a.x() + u * (b.x() - a.x()) + v * (c.x() - a.x()));
+      }
+  }
+
+  int y0_ = 0, z0_ = 0, columns_ = 0, rows_ = 0;
+  std::vector<double> farthest_;
+};
+
 struct PartBody {
   Body body;
   RestingPoses resting;
@@ -322,6 +391,8 @@ void SceneOptions::check() const {
                 hidden_fraction[0], hidden_fraction[1]);
   if (!(place_radius_mm > 0 && place_radius_mm <= 10000))
     throw Error("place_radius_mm {}: must be positive, up to 10000", place_radius_mm);
+  if (contact != "apart" && contact != "touching")
+    throw Error("contact \"{}\": must be \"apart\" or \"touching\"", contact);
   if (!(gap_mm >= 0 && gap_mm <= 1000)) throw Error("gap_mm {}: must be 0 to 1000", gap_mm);
   for (const double side : table_size_mm)
     if (!(side > 0 && side <= 20000)) throw Error("table_size_mm {}: must be positive, up to 20000", side);
@@ -419,6 +490,39 @@ struct SceneGenerator::Impl {
     return std::nullopt;
   }
 
+  /// Slid along the table from a random direction towards one of the others until it meets any of them. Nothing when it
+  /// would pass all of them, or fall off.
+  std::optional<Placed> touching(Random& random, Placed thing, const std::vector<Placed>& others) const {
+    constexpr double clearance_mm = 0.05;
+    for (int attempt = 0; attempt < 10; ++attempt) {
+      const Placed& target = others[random.below(others.size())];
+      Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+      for (const auto& p : target.footprint) middle += p / static_cast<double>(target.footprint.size());
+      double radius = 0;
+      for (const auto& p : target.footprint) radius = std::max(radius, (p - middle).norm());
+      const Eigen::Isometry3d across_from_table = turned_about_z(-2 * std::numbers::pi * random.uniform());
+      const double beside = 0.5 * radius * (2 * random.uniform() - 1);
+      // Before it: the thing at the target's middle, so far to one side, and so far out that it meets nothing yet.
+      const Eigen::Vector3d lane = across_from_table * Eigen::Vector3d(middle.x(), middle.y(), 0);
+      constexpr double outside_mm = 10000;
+      const Eigen::Isometry3d start = across_from_table.inverse() *
+                                      Eigen::Translation3d(lane.x() + outside_mm, lane.y() + beside, 0) *
+                                      across_from_table * thing.table_from_model;
+      const Reach coming = Reach(*thing.body.mesh, across_from_table * start, -1).grown();
+      double distance = std::numeric_limits<double>::infinity();
+      for (const auto& other : others)
+        distance = std::min(distance,
+                            Reach(*other.body.mesh, across_from_table * other.table_from_model, 1).distance_to(coming));
+      if (!std::isfinite(distance)) continue;
+      const Eigen::Vector3d back = across_from_table.inverse() * Eigen::Vector3d(clearance_mm - distance, 0, 0);
+      Placed placed = thing;
+      placed.table_from_model = Eigen::Translation3d(back) * start;
+      placed.footprint = placed.body.footprint(placed.table_from_model);
+      if (on_table(placed.footprint, options.table_size_mm)) return placed;
+    }
+    return std::nullopt;
+  }
+
   Placed resting_part(Random& random, const PartBody& part, ScenePiece::Kind kind, int index) const {
     const int pose = draw_pose(random, part.resting);
     const Eigen::Isometry3d turn = turned_about_z(2 * std::numbers::pi * random.uniform());
@@ -470,14 +574,16 @@ struct SceneGenerator::Impl {
     const int clutter_count = draw(random, options.clutter);
     for (int i = 0; i < clutter_count; ++i) things.push_back(clutter_piece(random));
 
+    std::vector<Placed> lying;
     std::vector<Footprint> taken;
     for (auto& thing : things) {
-      auto found = placed(random, std::move(thing), taken);
+      auto found = options.contact == "touching" && !lying.empty() ? touching(random, std::move(thing), lying)
+                                                                   : placed(random, std::move(thing), taken);
       if (!found) return std::nullopt;
-      thing = std::move(*found);
-      taken.push_back(thing.footprint);
+      lying.push_back(std::move(*found));
+      taken.push_back(lying.back().footprint);
     }
-    return things;
+    return lying;
   }
 
   Eigen::Isometry3d draw_camera(Random& random) const {

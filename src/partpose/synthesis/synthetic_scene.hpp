@@ -57,6 +57,7 @@ struct SceneOptions {
   std::array<double, 2> hidden_fraction = {0, 0};
   double place_radius_mm = 120;
   double gap_mm = 3;
+  std::string contact = "apart";
   std::array<double, 2> table_size_mm = {1000, 700};
   double floor_below_mm = 720;
   RestingPoseOptions resting_poses;
@@ -77,7 +78,9 @@ struct SceneOptions {
           "range of the share of the first part that is hidden by intention, 0 to 1; [0, 0]: nothing is put before it");
     visit("place_radius_mm", self.place_radius_mm,
           "things lie this near the table's centre [mm], > 0; farther only where they find no room");
-    visit("gap_mm", self.gap_mm, "least distance between things, seen from above [mm], >= 0");
+    visit("gap_mm", self.gap_mm, "least distance between things that lie apart, seen from above [mm], >= 0");
+    visit("contact", self.contact,
+          "\"apart\", or \"touching\": each thing but the first is slid along the table until it touches another");
     visit("table_size_mm", self.table_size_mm, "length and width of the table [mm], > 0");
     visit("floor_below_mm", self.floor_below_mm, "the floor is this far below the table's top [mm]; 0: there is none");
     visit("resting_poses", self.resting_poses, "how resting poses are found");
@@ -141,8 +144,11 @@ SceneSensor stereo_scene_sensor(const StereoSensorOptions& options);
 ///
 /// The first catalogue part of frame i is part i modulo their number, the others are drawn without repetition as long
 /// as they last. Each lies in one of its resting poses, turned and placed at random. Nothing interpenetrates: the
-/// outlines of all things, seen from above, are apart. With `hidden_fraction` a plate stands before the first part, or
-/// is held over it where the camera looks down steeply, so that just a share drawn from that range is hidden.
+/// outlines of all things, seen from above, are apart; or, with `contact` "touching", each thing after the first comes
+/// from outside, straight along the table, and stops where it meets another. Things that touch lie as they would alone:
+/// none leans on another. From an oblique camera the near ones then hide some of the far ones. With `hidden_fraction` a
+/// plate stands before the first part, or is held over it where the camera looks down steeply, so that just a share
+/// drawn from that range is hidden.
 class SceneGenerator {
  public:
   /// Finds the resting poses of all parts. Throws Error, naming the part, for meshes without resting poses, and for

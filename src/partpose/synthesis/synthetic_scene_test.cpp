@@ -3,6 +3,7 @@
 #include "partpose/synthesis/synthetic_scene.hpp"
 
 #include "partpose/camera/rasterizer.hpp"
+#include "partpose/core/error.hpp"
 #include "partpose/core/parallel.hpp"
 
 #include "tests/shapes.hpp"
@@ -82,6 +83,75 @@ TEST(SyntheticScene, EverythingLiesOnTheTableAndNothingInAnother) {
     EXPECT_GE(pieces, 1);
     EXPECT_EQ(*std::max_element(covered.begin(), covered.end()), 1) << "frame " << frame;
   }
+}
+
+/// Corners and points 10 mm apart on the edges and faces, in the table's frame.
+std::vector<Eigen::Vector3d> surface_samples(const TriangleMesh& mesh, const Eigen::Isometry3d& table_from_model) {
+  std::vector<Eigen::Vector3d> out;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>(), ab = mesh.vertices[t[1]].cast<double>() - a,
+                          ac = mesh.vertices[t[2]].cast<double>() - a;
+    const int n = static_cast<int>(std::ceil(std::max(ab.norm(), ac.norm()) / 10));
+    for (int i = 0; i <= n; ++i)
+      for (int k = 0; k <= n - i; ++k) out.emplace_back(table_from_model * (a + ab * i / n + ac * k / n));
+  }
+  return out;
+}
+
+/// How deep a corner of one is in the other; of convex parts.
+double overlap_mm(const ScenePiece& a, const ScenePiece& b) {
+  const auto depth_in = [&](const ScenePiece& of, const ScenePiece& in) {
+    double deepest = -1e300;
+    const Eigen::Isometry3d in_from_of = in.camera_from_model.inverse() * of.camera_from_model;
+    for (const auto& v : of.mesh->vertices) {
+      const Eigen::Vector3d p = in_from_of * v.cast<double>();
+      double depth = 1e300;
+      for (const auto& t : in.mesh->triangles) {
+        const Eigen::Vector3d q = in.mesh->vertices[t[0]].cast<double>();
+        const Eigen::Vector3d normal =
+            (in.mesh->vertices[t[1]].cast<double>() - q).cross(in.mesh->vertices[t[2]].cast<double>() - q).normalized();
+        depth = std::min(depth, -normal.dot(p - q));
+      }
+      deepest = std::max(deepest, depth);
+    }
+    return deepest;
+  };
+  return std::max(depth_in(a, b), depth_in(b, a));
+}
+
+TEST(SyntheticScene, TouchingThingsMeetWithoutInterpenetrating) {
+  SceneOptions options = busy();
+  options.parts = {4, 6};
+  options.unknown_parts = options.clutter = {0, 0};
+  options.contact = "touching";
+  options.least_visible_fraction = 0;
+  const SceneGenerator generator(
+      {{"box", shapes::box(Eigen::Vector3f(60, 40, 20))}, {"shaft", shapes::cylinder(12, 90, 32)}}, {}, options);
+  int hidden = 0;
+  for (int frame = 0; frame < 3; ++frame) {
+    const auto scene = generator.generate(frame);
+    std::vector<ScenePiece> parts;
+    for (const auto& piece : scene.pieces)
+      if (is_part(piece)) parts.push_back(piece);
+    ASSERT_GE(parts.size(), 4u);
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+      const auto& part = parts[i];
+      EXPECT_NEAR(lowest(*part.mesh, table_from_model(scene, part)), 0, 1e-3);
+      double nearest = 1e300;  // over those there before it
+      for (std::size_t k = 0; k < i; ++k) {
+        EXPECT_LT(overlap_mm(part, parts[k]), 0.3) << frame;
+        const auto ours = surface_samples(*part.mesh, table_from_model(scene, part));
+        const auto others = surface_samples(*parts[k].mesh, table_from_model(scene, parts[k]));
+        for (const auto& a : ours)
+          for (const auto& b : others) nearest = std::min(nearest, (a - b).norm());
+      }
+      EXPECT_LT(nearest, 11) << frame;  // of samples 10 mm apart
+      hidden += part.visible_fraction() < 0.95;
+    }
+  }
+  EXPECT_GT(hidden, 0);
+  options.contact = "glued";
+  EXPECT_THROW(options.check(), Error);
 }
 
 TEST(SyntheticScene, DepthAndVisibilityAreThoseOfThePiecesAtTheirPoses) {
