@@ -379,7 +379,7 @@ TEST_F(Experiments, TheEngineNeedsMeshesAlone) {
 
   // The argument stands before the file.
   write_json_file(folder / "spec.json", spec);
-  EXPECT_EQ(run_experiment(folder / "spec.json", folder / "few", {}, 3).size(), 6u);
+  EXPECT_EQ(run_experiment(folder / "spec.json", folder / "few", {}, [](ExperimentSpec& s) { s.most_frames = 3; }).size(), 6u);
   spec["most_frames"] = -1;
   EXPECT_PRED2(mentions, error_of_run(spec, "bad"), "most_frames -1: must be 0 or more");
 }
