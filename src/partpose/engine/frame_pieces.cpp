@@ -315,7 +315,7 @@ class Splitter {
     if (level == 0) keep_near(remaining, high);
     // Taken away wherever it shows, also through a part's holes.
     split(remaining, plane, level);
-    if (level == 0) return;
+    if (level == 0 && static_cast<double>(on_plane.size()) > 0.6 * static_cast<double>(cells.size())) return;
     // A lesser plane may hold a part's face by chance: once more, and only what is larger than a part is taken away.
     const std::size_t without_patches = remaining.size();
     for (const auto& patch : connected(on_plane))

@@ -246,7 +246,84 @@ std::optional<double> angular_spacing_rad(const PointCloud& cloud) {
   return spacing[spacing.size() / 2];
 }
 
+namespace {
+
+/// Evenly spaced values: `first` and every `step` from it.
+struct Comb {
+  double first = 0, step = 0;
+  int count = 0;
+};
+
+/// The comb whose teeth the values lie on; nothing when they lie between as well.
+std::optional<Comb> comb_of(std::vector<float> values) {
+  constexpr double least_gap_share = 0.3;  // of the step: values nearer than that are the same tooth
+  constexpr double off_share = 0.08, most_off = 0.02;
+  constexpr int most_teeth = 4000, least_teeth = 8;
+  std::sort(values.begin(), values.end());
+  // Teeth are dense and far apart: of all gaps the small ones are rounding.
+  std::vector<float> gaps;
+  const float extent = values.back() - values.front();
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i] - values[i - 1] > extent / most_teeth) gaps.push_back(values[i] - values[i - 1]);
+  if (gaps.size() + 1 < least_teeth) return std::nullopt;
+  std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 4), gaps.end());
+  double step = gaps[gaps.size() / 4];
+  // The means of the teeth against their numbers, by least squares.
+  double n = 0, sum_k = 0, sum_x = 0, sum_kk = 0, sum_kx = 0;
+  int tooth = 0;
+  for (std::size_t begin = 0; begin < values.size();) {
+    std::size_t end = begin + 1;
+    double mean = values[begin];
+    while (end < values.size() && values[end] - values[end - 1] < least_gap_share * step) mean += values[end++];
+    mean /= static_cast<double>(end - begin);
+    if (n > 0) {
+      const double slope = n > 4 ? (n * sum_kx - sum_k * sum_x) / (n * sum_kk - sum_k * sum_k) : step;
+      const double first = n > 4 ? (sum_x - slope * sum_k) / n : sum_x / n - slope * sum_k / n;
+      if (!(slope > 0.5 * step && slope < 2 * step)) return std::nullopt;
+      tooth = static_cast<int>(std::lround((mean - first) / slope));
+    }
+    n += 1, sum_k += tooth, sum_x += mean, sum_kk += double(tooth) * tooth, sum_kx += tooth * mean;
+    begin = end;
+  }
+  if (n < least_teeth) return std::nullopt;
+  Comb comb;
+  comb.step = (n * sum_kx - sum_k * sum_x) / (n * sum_kk - sum_k * sum_k);
+  comb.first = (sum_x - comb.step * sum_k) / n;
+  if (!(comb.step > 0)) return std::nullopt;
+  comb.count = static_cast<int>(std::lround((values.back() - comb.first) / comb.step)) + 1;
+  std::size_t off = 0;
+  for (const float value : values) {
+    const double at = (value - comb.first) / comb.step;
+    off += std::abs(at - std::round(at)) > off_share;
+  }
+  if (static_cast<double>(off) > most_off * static_cast<double>(values.size()) || comb.count > most_teeth) return std::nullopt;
+  return comb;
+}
+
+}  // namespace
+
+std::optional<Intrinsics> pixel_grid_of(const PointCloud& cloud, int margin_px) {
+  std::vector<float> x, y;
+  for (const auto& p : cloud.points) {
+    if (!p.allFinite() || !(p.z() > 0)) continue;
+    x.push_back(p.x() / p.z());
+    y.push_back(p.y() / p.z());
+  }
+  if (x.size() < 50) return std::nullopt;
+  const auto columns = comb_of(std::move(x)), rows = comb_of(std::move(y));
+  if (!columns || !rows) return std::nullopt;
+  Intrinsics camera;
+  camera.width = columns->count + 2 * margin_px;
+  camera.height = rows->count + 2 * margin_px;
+  camera.fx = 1 / columns->step;
+  camera.fy = 1 / rows->step;
+  camera.cx = margin_px - columns->first / columns->step;
+  camera.cy = margin_px - rows->first / rows->step;
+  return camera;
+}
+
 std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px) {
+  if (const auto camera = pixel_grid_of(cloud, margin_px)) return camera;
   const auto spacing = angular_spacing_rad(cloud);
   if (!spacing) return std::nullopt;
   return intrinsics_covering(cloud, 1.5 * *spacing, margin_px);

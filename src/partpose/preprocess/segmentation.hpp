@@ -26,7 +26,12 @@ struct Segment {
 /// would see about one point in each. Nothing when fewer than two directions are seen.
 std::optional<double> angular_spacing_rad(const PointCloud& cloud);
 
-/// The camera whose image a cloud taken from the origin fills without holes, pixels somewhat wider than the points'
+/// The camera that a cloud was taken with, where its points still lie on the lines of sight through the pixels of one:
+/// clouds of depth cameras and of simulations do. Nothing for others. Not necessarily of the same size: it just covers the
+/// cloud.
+std::optional<Intrinsics> pixel_grid_of(const PointCloud& cloud, int margin_px = 2);
+
+/// The camera that the cloud was taken with (`pixel_grid_of`), or else one whose image it fills without holes, pixels somewhat wider than the points'
 /// spacing (and at most about 2000 a side); nothing when the cloud shows fewer than two directions. All points must lie
 /// before the camera (`before_camera`).
 std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px = 2);
