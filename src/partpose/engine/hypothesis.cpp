@@ -32,7 +32,8 @@ struct TurnedTemplates {
   Eigen::Vector3d centre_mm;  ///< camera frame
   std::vector<DepthTemplate> full;
   std::vector<SmallTemplate> small;
-  float known = 1;  ///< share of the cells that are not unknown, at the first turn
+  float known = 1;       ///< share of the cells that are not unknown, at the first turn
+  float beyond_mm2 = 0;  ///< of the object's surface that is too far away for a part of this size
 };
 
 /// Where something nearer hides a part of the object, if anything does: the middle of the outline there, camera frame.
@@ -118,6 +119,9 @@ TurnedTemplates turned_templates(const ObjectView& view, const Eigen::Vector3d& 
     out.full.push_back(cells);
     out.small.push_back(halved(cells));
   }
+  const double reach_mm = DepthTemplate::side / 2 * scale.cell_mm;
+  for (const auto& p : relative)
+    if (p.head<2>().norm() > reach_mm) out.beyond_mm2 += static_cast<float>(spacing_mm * spacing_mm);
   const auto unknown = std::count(out.full[0].cell.begin(), out.full[0].cell.end(), DepthTemplate::unknown);
   out.known = 1 - static_cast<float>(unknown) / DepthTemplate::cells;
   return out;
@@ -145,7 +149,7 @@ std::vector<TurnedTemplates> all_turned_templates(const ObjectView& view, const 
 
 /// A view of a part at a turn.
 struct Look {
-  float cost;  ///< in mm3, so that parts of different size compare: each cell stands for its area
+  float cost;  ///< mm2 of surface that differs
   std::int32_t part;
   std::int16_t view;
   std::int8_t roll, place;
@@ -162,8 +166,9 @@ void keep_lowest(std::vector<Look>& looks, std::size_t count) {
   looks.resize(count);
 }
 
+/// In mm2 of surface that differs by the cap or more, so that parts of different size compare.
 float cost_of_step(const TemplateScale& scale) {
-  return static_cast<float>(scale.depth_unit_mm * scale.cell_mm * scale.cell_mm);
+  return static_cast<float>(scale.cell_mm * scale.cell_mm / scale.cap);
 }
 
 /// How badly what a view shows falls into the frame, 0 to 1 for each point.
@@ -232,7 +237,9 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
                                   const ShortlistOptions& options) {
   // What is partly hidden looks like more.
   const auto hidden = options.look_behind ? hidden_side(view) : std::nullopt;
-  const int wider = hidden ? 5 : 1;
+  int wider = hidden ? 5 : 1;
+  // Among many parts the right one has more before it.
+  wider *= std::clamp(static_cast<int>(std::sqrt(static_cast<double>(models.size()) / 20)), 1, 8);
   std::map<double, std::vector<TurnedTemplates>> turned;  // by the cells' size
   for (const PartModel* model : models) {
     auto& templates = turned[model->scale.cell_mm];
@@ -253,8 +260,9 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
           const float per_step = 4 * cost_of_step(model.scale) / places[place].known;  // a cell covers four
           for (std::size_t v = 0; v < model.views.size(); ++v)
             for (int k = 0; k < rolls; ++k)
-              looks.push_back({per_step * static_cast<float>(capped_difference(
-                                              model.small_templates[v], places[place].small[k], model.scale.cap)),
+              looks.push_back({places[place].beyond_mm2 +
+                                   per_step * static_cast<float>(capped_difference(
+                                                  model.small_templates[v], places[place].small[k], model.scale.cap)),
                                static_cast<std::int32_t>(part), static_cast<std::int16_t>(v),
                                static_cast<std::int8_t>(k), static_cast<std::int8_t>(place)});
         }
@@ -268,8 +276,9 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
   for (Look& look : looks) {
     const PartModel& model = *models[look.part];
     const TurnedTemplates& templates = turned.at(model.scale.cell_mm)[look.place];
-    look.cost = cost_of_step(model.scale) / templates.known *
-                static_cast<float>(
+    look.cost = templates.beyond_mm2 +
+                cost_of_step(model.scale) / templates.known *
+                    static_cast<float>(
                     capped_difference(model.templates[look.view], templates.full[look.roll], model.scale.cap));
   }
   std::sort(looks.begin(), looks.end());
@@ -288,7 +297,7 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
     h.part = look.part;
     h.view = look.view;
     h.cost = look.cost;
-    h.template_cost = look.cost / cost_of_step(model.scale) / (model.scale.cap * DepthTemplate::cells);
+    h.template_cost = look.cost / (model.scale.cell_mm * model.scale.cell_mm * DepthTemplate::cells);
     const Eigen::AngleAxisd roll_back(-2 * std::numbers::pi * look.roll / rolls, Eigen::Vector3d::UnitZ());
     Eigen::Isometry3d camera_from_sight = Eigen::Isometry3d::Identity();
     const Eigen::Vector3d& centre = turned.at(model.scale.cell_mm)[look.place].centre_mm;
@@ -338,10 +347,13 @@ std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const
 
 std::vector<Hypothesis> best_of(std::vector<Hypothesis> all, std::size_t count, int per_part) {
   sort_by_cost(all);
+  constexpr std::size_t most_parts = 12;
   std::map<int, int> taken;
   std::vector<Hypothesis> kept;
-  for (std::size_t i = 0; i < all.size(); ++i)
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i >= count && taken.size() >= most_parts && !taken.count(all[i].part)) continue;
     if (taken[all[i].part]++ < per_part || i < count) kept.push_back(all[i]);
+  }
   return kept;
 }
 

@@ -56,7 +56,7 @@ void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* cons
 /// Without those that are the same part at about the same pose as a better one. Best first, as given.
 std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const PartModel* const> models);
 
-/// The `count` of lowest cost, and besides them the best `per_part` of each part.
+/// The `count` of lowest cost, and besides them the best `per_part` of each of the best dozen of parts.
 std::vector<Hypothesis> best_of(std::vector<Hypothesis> all, std::size_t count, int per_part);
 
 void sort_by_cost(std::vector<Hypothesis>& hypotheses);
