@@ -207,10 +207,10 @@ double reverse_cost(const Hypothesis& hypothesis, const PartModel& model, const 
 /// The most of what is known of it: what neighbouring pixels show, what the table shows (slow waves are in it; by the
 /// square law of triangulation it grows with the distance), and what no stereo camera falls below.
 double expected_noise_mm(const FramePieces& frame, const FrameObject& object, const Eigen::Vector3d& centre_mm) {
-  constexpr double disparity_px = 0.1, baseline_mm = 55, least_mm = 0.1;
+  constexpr double disparity_px = 0.1, baseline_mm = 55, near_mm = 0.4;
   const double z_mm = centre_mm.z();
-  double noise_mm = std::max({least_mm, local_noise_mm(frame, object),
-                              z_mm * z_mm * disparity_px / (frame.camera.fx * baseline_mm)});
+  double noise_mm = std::max(local_noise_mm(frame, object),
+                             std::hypot(near_mm, z_mm * z_mm * disparity_px / (frame.camera.fx * baseline_mm)));
   if (frame.table && !object.whole_frame) {
     const Eigen::Vector3d ray = centre_mm / z_mm, q = frame.table->q.cast<double>();
     const double inverse_table_z = q.dot(ray);
