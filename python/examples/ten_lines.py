@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import partpose
 
-recognizer = partpose.Recognizer.from_files(["parts/"])
+recognizer = partpose.Engine.from_files(["parts/"])
 scene = partpose.read_scene("scenes/bracket.png")  # or your own: a depth array and its partpose.Intrinsics
 assert scene.depth is not None and scene.intrinsics is not None
 found = recognizer.recognize(scene.depth.z_mm, scene.intrinsics)

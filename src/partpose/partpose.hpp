@@ -16,6 +16,7 @@
 #include "partpose/descriptor/crh.hpp"
 #include "partpose/descriptor/descriptors.hpp"
 #include "partpose/descriptor/vfh.hpp"
+#include "partpose/engine/engine.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/bop_recognition.hpp"
 #include "partpose/evaluation/bop_score.hpp"

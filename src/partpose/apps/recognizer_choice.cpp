@@ -43,7 +43,7 @@ void add_recognizer_arguments(CLI::App& command, RecognizerArguments& arguments)
   command
       .add_option(
           "-m,--models", arguments.models,
-          "Model file or folder of them, may be given more than once; the catalogue is made on first use and kept")
+          "Model file or folder of them, may be given more than once")
       ->allow_extra_args(false);
   command.add_option("-d,--dataset", arguments.dataset, "Dataset folder of the parts, instead of --models");
   auto* config =
@@ -84,7 +84,8 @@ ChosenRecognizer choose_recognizer(const std::string& command, const RecognizerA
   if (arguments.dataset.empty()) {
     chosen.recognizer = make_recognizer(
         arguments.recognizer,
-        kept_catalogue(read_parts(arguments.models, arguments.reading, common), arguments.cache, common));
+        catalogue_for(arguments.recognizer, read_parts(arguments.models, arguments.reading, common), arguments.cache,
+                      common));
   } else {
     const Unfinished descriptors;
     chosen.recognizer = make_recognizer(arguments.recognizer, load_catalogue(open_dataset(arguments.dataset),
@@ -99,8 +100,9 @@ GlobalPipelineConfig pipeline_config(const std::filesystem::path& path, const st
   return config;
 }
 
-Catalogue kept_catalogue(const std::vector<NamedMesh>& parts, const std::filesystem::path& cache,
-                         const Common& common) {
+Catalogue catalogue_for(const std::string& recognizer, const std::vector<NamedMesh>& parts,
+                        const std::filesystem::path& cache, const Common& common) {
+  if (recognizer == "engine") return mesh_catalogue(parts);
   const auto folder = cache.empty() ? default_cache_folder() : cache;
   const Unfinished dataset;
   Catalogue catalogue = cached_catalogue(parts, DatasetPreparationConfig{}, Recognizer::catalogue_config(), folder,

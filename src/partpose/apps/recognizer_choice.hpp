@@ -22,7 +22,7 @@ class Option;
 namespace partpose::apps {
 
 /// What recognizes parts where nothing is configured and nothing else is asked for: "recognizer" or "engine".
-inline constexpr const char* default_recognizer = "recognizer";
+inline constexpr const char* default_recognizer = "engine";
 
 /// --recognizer.
 CLI::Option* add_recognizer_option(CLI::App& command, std::string& name);
@@ -61,7 +61,9 @@ ChosenRecognizer choose_recognizer(const std::string& command, const RecognizerA
 /// A pipeline configuration; an empty path is the default one.
 GlobalPipelineConfig pipeline_config(const std::filesystem::path& path, const std::vector<std::string>& overrides);
 
-/// The catalogue of parts that need no configuration, made on first use and kept.
-Catalogue kept_catalogue(const std::vector<NamedMesh>& parts, const std::filesystem::path& cache, const Common& common);
+/// The catalogue that a recognizer needs of parts without a configuration: of the Engine their meshes, of the Recognizer
+/// also views, which are made on first use and kept.
+Catalogue catalogue_for(const std::string& recognizer, const std::vector<NamedMesh>& parts,
+                        const std::filesystem::path& cache, const Common& common);
 
 }  // namespace partpose::apps

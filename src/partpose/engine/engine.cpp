@@ -32,7 +32,6 @@ struct Target {
   std::vector<Candidate> candidates;   ///< best first
   std::vector<double> log_likelihoods;  ///< of the candidates, of the coarse comparison
   double best_score = 0;               ///< probability_of_part of the best
-  std::string features;
   Detection detection;                   ///< of the best candidate
   std::vector<ProjectiveRefinement> fit;  ///< of the contenders, before they are put into order
 
@@ -139,7 +138,6 @@ struct Engine::Impl {
 
 Engine::Engine(Catalogue catalogue, EngineOptions options) : impl_(std::make_unique<Impl>()) {
   options.check();
-  if (getenv("PARTPOSE_DEV")) options.min_score = 0;
   impl_->catalogue = std::move(catalogue);
   impl_->options = options;
   const auto& parts = impl_->catalogue.parts;
@@ -315,7 +313,6 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     return r;
   }
   r.detections = impl_->detections(targets);
-  if (getenv("PARTPOSE_DEV")) r.reason = targets[0].features;
   r.candidates = std::move(targets[0].candidates);
   const Candidate& best = r.candidates[0];
   if (best.score < impl_->options.min_score) {
@@ -462,11 +459,6 @@ void Engine::Impl::decide(Target& target) const {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < contenders; ++i) order.emplace_back(-comparison[i].log_likelihood, i);
   std::sort(order.begin(), order.end());
-  if (getenv("PARTPOSE_DEV")) {
-    const auto& c = comparison[order[0].second];
-    const double second = contenders > 1 ? -order[1].first : -1e9;
-    target.features = fmt::format("F score {:.4f} llr {:.4f} unex {:.4f} free {:.4f} below {:.4f} hid {:.4f} nothing {:.4f} rim {:.4f} orim {:.4f} chi2 {:.4f} noise {:.3f} fit {:.3f} n {} stride {} margin {:.1f} diam {:.1f}", c.score(), c.log_likelihood / c.best_log_likelihood, double(c.unexplained)/c.object, double(c.free_space)/c.model, double(c.below_table)/c.model, double(c.hidden)/c.model, double(c.nothing)/c.model, double(c.model_outline)/c.model, double(c.object_outline)/c.object, c.squared_deviations/std::max(c.compared,1), target.view.noise_mm, candidates[order[0].second].icp_fitness, target.view.object->pixels, stride_for(target.view, fine_pixels), -order[0].first - second, models[part_of(candidates[order[0].second])]->diameter_mm);
-  }
   std::vector<Candidate> decided;
   for (const auto& [negative, i] : order) decided.push_back(candidates[i]);
   decided.insert(decided.end(), candidates.begin() + static_cast<std::ptrdiff_t>(contenders), candidates.end());

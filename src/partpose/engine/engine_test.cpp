@@ -112,6 +112,45 @@ TEST_F(EngineTest, ABallIsNoneOfThem) {
   EXPECT_LT(r.accepted, 0) << r.result.model_name << " scores " << r.candidates[0].score;
 }
 
+TEST_F(EngineTest, StatesHowSureItIs) {
+  Random random(6);
+  const Recognition r = engine->recognize(frame_of(0, shapes::random_pose(random, {0, 0, 480}), random), camera);
+  ASSERT_EQ(r.detections.size(), 1u);
+  const Detection& found = r.detections[0];
+  EXPECT_GT(found.confidence, 0.3);
+  EXPECT_LE(found.confidence, found.score + 1e-9);
+  double others = 0;
+  for (const auto& other : found.alternatives) others += other.probability;
+  EXPECT_LE(others, 1);
+  EXPECT_GT(found.covariance(5, 5), 0);
+  EXPECT_LT(found.covariance(5, 5), 1);  // depth is known best
+  EXPECT_TRUE(found.covariance.isApprox(found.covariance.transpose(), 1e-6));
+}
+
+TEST(Engine, PartsComeAndGo) {
+  const auto named = [](const char* name, TriangleMesh mesh) {
+    NamedMesh out;
+    out.name = name;
+    out.mesh = std::move(mesh);
+    return out;
+  };
+  Engine engine({named("bracket", shapes::l_bracket())});
+  const Intrinsics camera{320, 240, 500, 500, 159.5, 119.5};
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 1, 0).normalized()).toRotationMatrix();
+  pose.translation().z() = 480;
+  const DepthImage depth = render(shapes::cylinder(20, 70, 40), pose, camera).depth;
+  EXPECT_LT(engine.recognize(depth, camera).accepted, 0);
+  engine.add(named("pin", shapes::cylinder(20, 70, 40)));
+  EXPECT_EQ(engine.recognize(depth, camera).result.model_name, "pin");
+  EXPECT_THROW(engine.add(named("pin", shapes::l_bracket())), Error);
+  EXPECT_LT(engine.memory_bytes(1), std::size_t{2} << 20);
+  engine.remove("pin");
+  EXPECT_LT(engine.recognize(depth, camera).accepted, 0);
+  EXPECT_THROW(engine.remove("pin"), Error);
+  EXPECT_THROW(engine.remove("bracket"), Error);
+}
+
 TEST(Engine, SaysWhatIsWrong) {
   EXPECT_THROW(Engine(catalogue_of({shapes::l_bracket()}), {.min_score = 2}), Error);
   Catalogue without_views = catalogue_of({shapes::l_bracket()});

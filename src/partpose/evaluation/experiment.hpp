@@ -58,12 +58,12 @@ struct ExperimentProtocol {
 struct ExperimentConfiguration {
   std::string name;
   std::string pipeline;
-  std::string recognizer = "recognizer";
+  std::string recognizer = "engine";
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("name", self.name, "names the configuration in the tables");
-    visit("recognizer", self.recognizer, "where nothing is configured: \"recognizer\" or \"engine\"");
+    visit("recognizer", self.recognizer, "where nothing is configured: \"engine\" or \"recognizer\"");
     visit("pipeline", self.pipeline, "pipeline configuration (JSON); empty: nothing is configured");
   }
   void check() const;

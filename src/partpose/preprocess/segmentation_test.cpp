@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 namespace partpose {
@@ -151,6 +152,33 @@ TEST(AngularSpacing, NeedsTwoDirections) {
   EXPECT_FALSE(angular_spacing_rad(cloud).has_value());
   cloud.points = {{0, 0, 600}, {0, 0, 700}};
   EXPECT_FALSE(angular_spacing_rad(cloud).has_value());
+}
+
+TEST(PixelGrid, IsThatOfTheCamera) {
+  const Intrinsics camera{200, 150, 613.7, 598.2, 101.3, 72.9};
+  DepthImage depth(200, 150);
+  Random random(3);
+  for (int v = 30; v < 110; ++v)
+    for (int u = 40; u < 170; ++u)
+      if (random.uniform() < 0.8) depth.at(u, v) = static_cast<float>(500 + 0.3 * u + 4 * random.uniform());
+  const PointCloud cloud = to_point_cloud(depth, camera);
+  const auto grid = pixel_grid_of(cloud);
+  ASSERT_TRUE(grid.has_value());
+  EXPECT_NEAR(grid->fx, camera.fx, 0.05);
+  EXPECT_NEAR(grid->fy, camera.fy, 0.05);
+  // Each point has a pixel of its own, where it was.
+  const DepthImage again = to_depth_image(cloud, *grid);
+  EXPECT_EQ(std::count_if(again.z_mm.begin(), again.z_mm.end(), [](float z) { return z > 0; }),
+            static_cast<std::ptrdiff_t>(cloud.size()));
+}
+
+TEST(PixelGrid, ScatteredPointsHaveNone) {
+  Random random(4);
+  PointCloud cloud;
+  for (int i = 0; i < 3000; ++i)
+    cloud.points.emplace_back(100 * random.uniform() - 50, 80 * random.uniform() - 40, 500 + 20 * random.uniform());
+  EXPECT_FALSE(pixel_grid_of(cloud).has_value());
+  EXPECT_FALSE(pixel_grid_of({}).has_value());
 }
 
 }  // namespace

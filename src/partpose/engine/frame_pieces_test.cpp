@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/engine/frame_pieces.hpp"
+
+#include "partpose/camera/rasterizer.hpp"
+#include "tests/shapes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace partpose {
+namespace {
+
+/// A table at 700 mm, seen at a slant, with boxes on it.
+class FramePiecesTest : public testing::Test {
+ protected:
+  FramePiecesTest() : depth(640, 480) {
+    tilt.linear() = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    tilt.translation() = Eigen::Vector3d(0, 0, 700);
+    put(shapes::box(Eigen::Vector3f(900, 900, 2)), {0, 0, 0});
+  }
+  void put(const TriangleMesh& mesh, const Eigen::Vector3d& on_table) {
+    Eigen::Isometry3d pose = tilt;
+    pose.translation() += tilt.linear() * on_table;
+    const DepthImage drawn = render(mesh, pose, camera).depth;
+    for (std::size_t p = 0; p < depth.z_mm.size(); ++p)
+      if (drawn.z_mm[p] > 0 && (depth.z_mm[p] == 0 || drawn.z_mm[p] < depth.z_mm[p])) depth.z_mm[p] = drawn.z_mm[p];
+  }
+  void add_noise(double sigma_mm) {
+    Random random(5);
+    for (float& z : depth.z_mm)
+      if (z > 0) z += static_cast<float>(sigma_mm * random.normal_pair().first);
+  }
+  FramePieces split() const { return split_frame(depth, camera, {.largest_part_mm = 150, .smallest_part_mm = 30}); }
+
+  const Intrinsics camera{640, 480, 615, 615, 319.5, 239.5};
+  Eigen::Isometry3d tilt = Eigen::Isometry3d::Identity();
+  DepthImage depth;
+};
+
+TEST_F(FramePiecesTest, FindsWhatStandsOnTheTable) {
+  put(shapes::box(Eigen::Vector3f(60, 40, 30)), {-90, 0, -16});
+  put(shapes::box(Eigen::Vector3f(50, 50, 30)), {90, 20, -16});
+  add_noise(0.8);
+  const FramePieces frame = split();
+  ASSERT_TRUE(frame.table.has_value());
+  EXPECT_NEAR(frame.table->rms_mm, 0.8 * std::cos(0.5), 0.25);
+  ASSERT_EQ(frame.objects.size(), 2u);
+  for (const auto& object : frame.objects) {
+    EXPECT_GT(object.pixels, 1500);
+    EXPECT_FALSE(object.whole_frame);
+    // Nearly all of the box around each is its own.
+    EXPECT_GT(object.pixels, 0.6 * (object.u1 - object.u0 + 1) * (object.v1 - object.v0 + 1));
+  }
+}
+
+TEST_F(FramePiecesTest, AnEmptyTableHasNoObjects) {
+  add_noise(0.8);
+  EXPECT_TRUE(split().objects.empty());
+}
+
+TEST_F(FramePiecesTest, ABentTableIsStillATable) {
+  put(shapes::box(Eigen::Vector3f(60, 40, 12)), {0, 0, -7});
+  for (int v = 0; v < depth.height; ++v)
+    for (int u = 0; u < depth.width; ++u)  // 12 mm from edge to middle, as a camera's lens may bend it
+      if (depth.at(u, v) > 0) depth.at(u, v) += static_cast<float>(12 * std::pow((u - 320.0) / 320.0, 2));
+  add_noise(0.8);
+  const FramePieces frame = split();
+  ASSERT_TRUE(frame.table.has_value());
+  EXPECT_LT(frame.table->rms_mm, 1.2);
+  ASSERT_EQ(frame.objects.size(), 1u);
+  EXPECT_GT(frame.objects[0].pixels, 1500);
+}
+
+TEST_F(FramePiecesTest, APartAloneIsTheWholeFrame) {
+  std::fill(depth.z_mm.begin(), depth.z_mm.end(), 0.0f);
+  put(shapes::box(Eigen::Vector3f(60, 40, 30)), {0, 0, 0});
+  const FramePieces frame = split();
+  ASSERT_FALSE(frame.objects.empty());
+  EXPECT_TRUE(frame.objects[0].whole_frame);
+}
+
+TEST_F(FramePiecesTest, TheWindowKeepsPlaceAndLabels) {
+  put(shapes::box(Eigen::Vector3f(60, 40, 30)), {0, 0, -16});
+  const FramePieces frame = split();
+  ASSERT_EQ(frame.objects.size(), 1u);
+  const FrameObject& object = frame.objects[0];
+  const FrameWindow part = window(frame, object, object.u0 - 7, object.v0 - 3, object.u1 + 5, object.v1 + 9, 2);
+  for (int v = 0; v < part.depth.height; ++v)
+    for (int u = 0; u < part.depth.width; ++u) {
+      const int full_u = object.u0 - 7 + 2 * u, full_v = object.v0 - 3 + 2 * v;
+      EXPECT_EQ(part.depth.at(u, v), depth.at(full_u, full_v));
+      const std::size_t p = static_cast<std::size_t>(v) * part.depth.width + u;
+      EXPECT_EQ(part.label[p] == PixelLabel::object,
+                object.labels.test(frame.label[static_cast<std::size_t>(full_v) * depth.width + full_u]));
+      if (part.label[p] == PixelLabel::background) EXPECT_NEAR(part.before_table_mm[p], 0, 3.5);
+      EXPECT_TRUE(part.camera.unproject(u, v, 700).isApprox(camera.unproject(full_u, full_v, 700), 1e-5f));
+    }
+}
+
+TEST_F(FramePiecesTest, LocalNoiseIsThatOfNeighbouringPixels) {
+  put(shapes::box(Eigen::Vector3f(100, 100, 40)), {0, 0, -21});
+  add_noise(1.5);
+  const FramePieces frame = split();
+  ASSERT_FALSE(frame.objects.empty());
+  EXPECT_NEAR(local_noise_mm(frame, frame.objects[0]), 1.5, 0.2);
+}
+
+TEST_F(FramePiecesTest, PointsAreMeansOfBlocks) {
+  put(shapes::box(Eigen::Vector3f(100, 100, 40)), {0, 0, -21});
+  const FramePieces frame = split();
+  ASSERT_FALSE(frame.objects.empty());
+  const ObjectPoints points = object_points(frame, frame.objects[0], 500);
+  EXPECT_GT(points.block_px, 1);
+  EXPECT_GT(points.points_mm.size(), 350u);
+  EXPECT_LT(points.points_mm.size(), 900u);
+}
+
+TEST(FramePieces, NothingIsNothing) {
+  const DepthImage nothing(64, 48);
+  EXPECT_TRUE(split_frame(nothing, {64, 48, 60, 60, 31.5, 23.5}, {}).objects.empty());
+}
+
+}  // namespace
+}  // namespace partpose
