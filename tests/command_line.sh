@@ -472,7 +472,7 @@ if command -v python3 >/dev/null; then
   interrupted "dataset" SIGINT 130 'cut.partial-*' dataset --models parts $many_views --output cut
   interrupted "dataset's views" SIGTERM 143 'cut.partial-*/models/0000/views/*' dataset --models parts $many_views --output cut
   interrupted "scenes" SIGINT 130 'cut.partial-*/test/000001/depth/*' scenes --models parts --frames 1000 --output cut
-  interrupted "catalogue" SIGINT 130 'cut_cache/*.partial-*' recognize --models parts --cache cut_cache "$frame"
+  interrupted "catalogue" SIGINT 130 'cut_cache/*.partial-*' recognize --recognizer recognizer --models parts --cache cut_cache "$frame"
   [ -z "$(ls -d cut* | grep -v '^cut_cache$')" ] && [ -z "$(ls -A cut_cache)" ] || fail "left behind: $(ls -d cut* cut_cache/*)"
   cp small/dataset.json before.json
   interrupted "dataset in an older one's place" SIGINT 130 'small.partial-*/models/0000/views/*' dataset --models parts $many_views --output small
