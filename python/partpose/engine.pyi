@@ -10,14 +10,16 @@ class EngineOptions:
     """
     What the Engine may be told.
 
-    min_score = 0.6: a candidate that agrees less with the frame is not believed, 0 to 1
+    min_score = 0.5: least probability that a part is what is seen for it to be believed, 0 to 1
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, min_score: float = 0.6) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, min_score: float = 0.5) -> None: ...
 
     @property
     def min_score(self) -> float:
-        """a candidate that agrees less with the frame is not believed, 0 to 1"""
+        """
+        least probability that a part is what is seen for it to be believed, 0 to 1
+        """
 
     @min_score.setter
     def min_score(self, value: float, /) -> None: ...

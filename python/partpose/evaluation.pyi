@@ -150,6 +150,246 @@ def run_protocol(pipeline: partpose.pipeline.GlobalPipeline, test: partpose.data
 def summarize(frames: Sequence[ProtocolFrame], limit_deg: float = 15.0, limit_mm: float = 15.0) -> ProtocolSummary:
     """Counts; a pose is right below both limits, symmetry ignored."""
 
+class BoundRecord:
+    """
+    How well a frame's pose can be known at best (Cramer-Rao), and how well it was.
+
+    determined: whether the ranges determine the pose; without it the rest is 0
+    rotation_deg: bound of the rotation: root of the trace [deg]
+    translation_mm: bound of the translation: root of the trace [mm]
+    rotation_error_deg: reached [deg]
+    translation_error_mm: reached [mm]
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, determined: bool = ..., rotation_deg: float = ..., translation_mm: float = ..., rotation_error_deg: float = ..., translation_error_mm: float = ...) -> None: ...
+
+    @property
+    def determined(self) -> bool:
+        """whether the ranges determine the pose; without it the rest is 0"""
+
+    @determined.setter
+    def determined(self, value: bool, /) -> None: ...
+
+    @property
+    def rotation_deg(self) -> float:
+        """bound of the rotation: root of the trace [deg]"""
+
+    @rotation_deg.setter
+    def rotation_deg(self, value: float, /) -> None: ...
+
+    @property
+    def translation_mm(self) -> float:
+        """bound of the translation: root of the trace [mm]"""
+
+    @translation_mm.setter
+    def translation_mm(self, value: float, /) -> None: ...
+
+    @property
+    def rotation_error_deg(self) -> float:
+        """reached [deg]"""
+
+    @rotation_error_deg.setter
+    def rotation_error_deg(self, value: float, /) -> None: ...
+
+    @property
+    def translation_error_mm(self) -> float:
+        """reached [mm]"""
+
+    @translation_error_mm.setter
+    def translation_error_mm(self, value: float, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class ObjectRecord:
+    """
+    A part of the catalogue that is in a frame, and whether it was found.
+
+    part: the part
+    visible_fraction: of its silhouette, 0 to 1
+    detection: index of the detection that names its part where it is; -1: not found
+    pose_right: whether a detection has MSSD below 10 % of the diameter, or cannot be told from the truth by this camera
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, part: str = ..., visible_fraction: float = ..., detection: int = ..., pose_right: bool = ...) -> None: ...
+
+    @property
+    def part(self) -> str:
+        """the part"""
+
+    @part.setter
+    def part(self, value: str, /) -> None: ...
+
+    @property
+    def visible_fraction(self) -> float:
+        """of its silhouette, 0 to 1"""
+
+    @visible_fraction.setter
+    def visible_fraction(self, value: float, /) -> None: ...
+
+    @property
+    def detection(self) -> int:
+        """index of the detection that names its part where it is; -1: not found"""
+
+    @detection.setter
+    def detection(self, value: int, /) -> None: ...
+
+    @property
+    def pose_right(self) -> bool:
+        """
+        whether a detection has MSSD below 10 % of the diameter, or cannot be told from the truth by this camera
+        """
+
+    @pose_right.setter
+    def pose_right(self, value: bool, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class DetectionRecord:
+    """
+    What one detection is worth.
+
+    part: the part
+    camera_from_model: 4x4 [mm]
+    score: 0 to 1
+    confidence: stated probability that part and pose are right, 0 to 1
+    object: index of the object that it stands for; -1: none
+    part_right: whether it names that object's part
+    right: whether part and pose are right, or cannot be told from the truth by this camera
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, part: str = ..., camera_from_model: numpy.typing.ArrayLike = ..., score: float = ..., confidence: float = ..., object: int = ..., part_right: bool = ..., right: bool = ...) -> None: ...
+
+    @property
+    def part(self) -> str:
+        """the part"""
+
+    @part.setter
+    def part(self, value: str, /) -> None: ...
+
+    @property
+    def camera_from_model(self) -> Annotated[numpy.typing.NDArray[numpy.float64], dict(shape=(4, 4))]:
+        """4x4 [mm]"""
+
+    @camera_from_model.setter
+    def camera_from_model(self, value: numpy.typing.ArrayLike, /) -> None: ...
+
+    @property
+    def score(self) -> float:
+        """0 to 1"""
+
+    @score.setter
+    def score(self, value: float, /) -> None: ...
+
+    @property
+    def confidence(self) -> float:
+        """stated probability that part and pose are right, 0 to 1"""
+
+    @confidence.setter
+    def confidence(self, value: float, /) -> None: ...
+
+    @property
+    def object(self) -> int:
+        """index of the object that it stands for; -1: none"""
+
+    @object.setter
+    def object(self, value: int, /) -> None: ...
+
+    @property
+    def part_right(self) -> bool:
+        """whether it names that object's part"""
+
+    @part_right.setter
+    def part_right(self, value: bool, /) -> None: ...
+
+    @property
+    def right(self) -> bool:
+        """
+        whether part and pose are right, or cannot be told from the truth by this camera
+        """
+
+    @right.setter
+    def right(self, value: bool, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class FrameObjects:
+    """
+    What is in a frame, and what was recognized in it.
+
+    objects: parts of the catalogue that are in the frame
+    detections: what was recognized, likeliest first
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, objects: Sequence[ObjectRecord | Mapping[str, Any]] = ..., detections: Sequence[DetectionRecord | Mapping[str, Any]] = ...) -> None: ...
+
+    @property
+    def objects(self) -> tuple[ObjectRecord, ...]:
+        """parts of the catalogue that are in the frame"""
+
+    @objects.setter
+    def objects(self, value: Sequence[ObjectRecord | Mapping[str, Any]], /) -> None: ...
+
+    @property
+    def detections(self) -> tuple[DetectionRecord, ...]:
+        """what was recognized, likeliest first"""
+
+    @detections.setter
+    def detections(self, value: Sequence[DetectionRecord | Mapping[str, Any]], /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
 class FrameRecord:
     """
     What one frame of one run of an experiment gave.
@@ -168,10 +408,12 @@ class FrameRecord:
     reason: why nothing was recognized
     stages: time of each step
     time_ms: time of the frame [ms]
+    objects: each object of the frame and each detection
+    bound: the physical limit beside the error; where the noise is known and the part is right
     folder: of the frame's output; empty: not kept
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, run: str = ..., group: str = ..., protocol: str = ..., configuration: str = ..., descriptor: str = ..., frame: str = ..., left_out: bool = ..., result: partpose.pipeline.Result | Mapping[str, Any] = ..., evaluation: partpose.pipeline.Evaluation | Mapping[str, Any] = ..., score: float = ..., best_is_right: bool = ..., reason: str = ..., stages: Sequence[partpose.pipeline.MeasuredOperation | Mapping[str, Any]] = ..., time_ms: float = ..., folder: str = ...) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, run: str = ..., group: str = ..., protocol: str = ..., configuration: str = ..., descriptor: str = ..., frame: str = ..., left_out: bool = ..., result: partpose.pipeline.Result | Mapping[str, Any] = ..., evaluation: partpose.pipeline.Evaluation | Mapping[str, Any] = ..., score: float = ..., best_is_right: bool = ..., reason: str = ..., stages: Sequence[partpose.pipeline.MeasuredOperation | Mapping[str, Any]] = ..., time_ms: float = ..., objects: FrameObjects | Mapping[str, Any] | None = ..., bound: BoundRecord | Mapping[str, Any] | None = ..., folder: str = ...) -> None: ...
 
     @property
     def run(self) -> str:
@@ -270,6 +512,22 @@ class FrameRecord:
 
     @time_ms.setter
     def time_ms(self, value: float, /) -> None: ...
+
+    @property
+    def objects(self) -> FrameObjects | None:
+        """each object of the frame and each detection"""
+
+    @objects.setter
+    def objects(self, value: FrameObjects | Mapping[str, Any] | None, /) -> None: ...
+
+    @property
+    def bound(self) -> BoundRecord | None:
+        """
+        the physical limit beside the error; where the noise is known and the part is right
+        """
+
+    @bound.setter
+    def bound(self, value: BoundRecord | Mapping[str, Any] | None, /) -> None: ...
 
     @property
     def folder(self) -> str:

@@ -253,14 +253,15 @@ class SceneOptions:
     least_visible_fraction = 0.3: at least this share of each part, catalogue or not, is seen, 0 to 1
     hidden_fraction = (0.0, 0.0): range of the share of the first part that is hidden by intention, 0 to 1; [0, 0]: nothing is put before it
     place_radius_mm = 120.0: things lie this near the table's centre [mm], > 0; farther only where they find no room
-    gap_mm = 3.0: least distance between things, seen from above [mm], >= 0
+    gap_mm = 3.0: least distance between things that lie apart, seen from above [mm], >= 0
+    contact = 'apart': "apart", or "touching": each thing but the first is slid along the table until it touches another
     table_size_mm = (1000.0, 700.0): length and width of the table [mm], > 0
     floor_below_mm = 720.0: the floor is this far below the table's top [mm]; 0: there is none
     resting_poses: how resting poses are found
     seed = 1: the same seed gives the same frames
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, camera: SceneCameraOptions | Mapping[str, Any] = ..., parts: Sequence[int] = (1, 1), unknown_parts: Sequence[int] = (0, 0), clutter: Sequence[int] = (0, 0), clutter_size_mm: Sequence[float] = (20.0, 100.0), poses: str = 'natural', least_visible_fraction: float = 0.3, hidden_fraction: Sequence[float] = (0.0, 0.0), place_radius_mm: float = 120.0, gap_mm: float = 3.0, table_size_mm: Sequence[float] = (1000.0, 700.0), floor_below_mm: float = 720.0, resting_poses: RestingPoseOptions | Mapping[str, Any] = ..., seed: int = 1) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, camera: SceneCameraOptions | Mapping[str, Any] = ..., parts: Sequence[int] = (1, 1), unknown_parts: Sequence[int] = (0, 0), clutter: Sequence[int] = (0, 0), clutter_size_mm: Sequence[float] = (20.0, 100.0), poses: str = 'natural', least_visible_fraction: float = 0.3, hidden_fraction: Sequence[float] = (0.0, 0.0), place_radius_mm: float = 120.0, gap_mm: float = 3.0, contact: str = 'apart', table_size_mm: Sequence[float] = (1000.0, 700.0), floor_below_mm: float = 720.0, resting_poses: RestingPoseOptions | Mapping[str, Any] = ..., seed: int = 1) -> None: ...
 
     @property
     def camera(self) -> SceneCameraOptions:
@@ -333,10 +334,21 @@ class SceneOptions:
 
     @property
     def gap_mm(self) -> float:
-        """least distance between things, seen from above [mm], >= 0"""
+        """
+        least distance between things that lie apart, seen from above [mm], >= 0
+        """
 
     @gap_mm.setter
     def gap_mm(self, value: float, /) -> None: ...
+
+    @property
+    def contact(self) -> str:
+        """
+        "apart", or "touching": each thing but the first is slid along the table until it touches another
+        """
+
+    @contact.setter
+    def contact(self, value: str, /) -> None: ...
 
     @property
     def table_size_mm(self) -> tuple[float, ...]:

@@ -16,7 +16,7 @@ namespace {
 struct DescribedEngineOptions : EngineOptions {
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
-    visit("min_score", self.min_score, "a candidate that agrees less with the frame is not believed, 0 to 1");
+    visit("min_score", self.min_score, "least probability that a part is what is seen for it to be believed, 0 to 1");
   }
 };
 

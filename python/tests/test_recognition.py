@@ -261,7 +261,9 @@ def test_evaluation(box: partpose.TriangleMesh, recognizer: partpose.Recognizer,
 def test_experiments(tmp_path: Path) -> None:
     with pytest.raises(Error, match="nowhere.json"):
         evaluation.run_experiment(tmp_path / "nowhere.json", tmp_path / "out")
-    assert evaluation.read_frame_records(tmp_path) == [] and evaluation.FrameRecord
+    assert evaluation.read_frame_records(tmp_path) == []
+    for record in (evaluation.BoundRecord, evaluation.FrameRecord, evaluation.FrameObjects, evaluation.ObjectRecord, evaluation.DetectionRecord):
+        assert record.__doc__
 
 
 def test_pictures(recognizer: partpose.Recognizer, bracket_scene: io.Scene) -> None:

@@ -229,7 +229,8 @@ Recognition Engine::recognize(const PointCloud& cloud) const {
   nothing.result.timestamp = make_timestamp();
   nothing.num_of_points_input = static_cast<int>(cloud.size());
   const PointCloud seen = before_camera(cloud);
-  const auto camera = intrinsics_of(seen);
+  auto camera = pixel_grid_of(seen);
+  if (!camera) camera = intrinsics_of(seen);
   if (!camera || seen.size() < static_cast<std::size_t>(impl_->pieces.min_pixels)) {
     nothing.reason = fmt::format(
         "{} of the scene's {} points lie before the camera (x right, y down, z forward), too few "

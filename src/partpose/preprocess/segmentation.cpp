@@ -323,7 +323,6 @@ std::optional<Intrinsics> pixel_grid_of(const PointCloud& cloud, int margin_px) 
 }
 
 std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px) {
-  if (const auto camera = pixel_grid_of(cloud, margin_px)) return camera;
   const auto spacing = angular_spacing_rad(cloud);
   if (!spacing) return std::nullopt;
   return intrinsics_covering(cloud, 1.5 * *spacing, margin_px);

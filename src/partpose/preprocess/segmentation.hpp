@@ -31,7 +31,7 @@ std::optional<double> angular_spacing_rad(const PointCloud& cloud);
 /// cloud.
 std::optional<Intrinsics> pixel_grid_of(const PointCloud& cloud, int margin_px = 2);
 
-/// The camera that the cloud was taken with (`pixel_grid_of`), or else one whose image it fills without holes, pixels somewhat wider than the points'
+/// The camera whose image a cloud taken from the origin fills without holes, pixels somewhat wider than the points'
 /// spacing (and at most about 2000 a side); nothing when the cloud shows fewer than two directions. All points must lie
 /// before the camera (`before_camera`).
 std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px = 2);
