@@ -10,8 +10,8 @@
 #include "partpose/evaluation/ambiguity.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/evaluation/experiment.hpp"
-#include "partpose/evaluation/pose_error.hpp"
 #include "partpose/evaluation/object_judge.hpp"
+#include "partpose/evaluation/pose_error.hpp"
 #include "partpose/evaluation/pose_judge.hpp"
 #include "partpose/geometry/symmetries.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
@@ -204,8 +204,10 @@ void bind_accuracy(nb::module_& m) {
   m.def("summarize", &summarize, "frames"_a, "limit_deg"_a = 15.0, "limit_mm"_a = 15.0,
         "Counts; a pose is right below both limits, symmetry ignored.");
 
-  bind_described<BoundRecord>(m, "BoundRecord", "How well a frame's pose can be known at best (Cramer-Rao), and how well it was.");
-  bind_described<ObjectRecord>(m, "ObjectRecord", "A part of the catalogue that is in a frame, and whether it was found.");
+  bind_described<BoundRecord>(m, "BoundRecord",
+                              "How well a frame's pose can be known at best (Cramer-Rao), and how well it was.");
+  bind_described<ObjectRecord>(m, "ObjectRecord",
+                               "A part of the catalogue that is in a frame, and whether it was found.");
   bind_described<DetectionRecord>(m, "DetectionRecord", "What one detection is worth.");
   bind_described<FrameObjects>(m, "FrameObjects", "What is in a frame, and what was recognized in it.");
   bind_described<FrameRecord>(m, "FrameRecord", "What one frame of one run of an experiment gave.");

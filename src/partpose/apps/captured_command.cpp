@@ -122,7 +122,8 @@ Json json_of(Json lines, const std::map<std::string, Count>& count_of_kind) {
 void evaluate_captured(const CapturedArguments& arguments, const Common& common) {
   const CapturedSet set = read_captured_set(arguments.set);
   const auto parts = read_parts({arguments.models.empty() ? arguments.set / "models" : arguments.models}, {}, common);
-  const auto chosen = make_recognizer(arguments.recognizer, catalogue_for(arguments.recognizer, parts, arguments.cache, common));
+  const auto chosen =
+      make_recognizer(arguments.recognizer, catalogue_for(arguments.recognizer, parts, arguments.cache, common));
   const PartRecognizer& recognizer = *chosen;
   const Unfinished frame;  // each is finished before a signal counts
   std::optional<std::ofstream> jsonl;

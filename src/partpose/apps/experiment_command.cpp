@@ -31,8 +31,7 @@ void run(const ExperimentArguments& arguments, const Common& common) {
     apply_overrides(spec, arguments.overrides);
     if (arguments.most_frames > 0) spec.most_frames = arguments.most_frames;
   };
-  const auto records =
-      run_experiment(arguments.spec, arguments.output, terminal_progress(common), adjust);
+  const auto records = run_experiment(arguments.spec, arguments.output, terminal_progress(common), adjust);
   const auto spec = read_json<ExperimentSpec>(arguments.output / "experiment.json");
   if (arguments.json) {
     Json runs = Json::array();

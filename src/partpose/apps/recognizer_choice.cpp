@@ -40,10 +40,7 @@ float default_min_score(const std::string& name) {
 }
 
 void add_recognizer_arguments(CLI::App& command, RecognizerArguments& arguments) {
-  command
-      .add_option(
-          "-m,--models", arguments.models,
-          "Model file or folder of them, may be given more than once")
+  command.add_option("-m,--models", arguments.models, "Model file or folder of them, may be given more than once")
       ->allow_extra_args(false);
   command.add_option("-d,--dataset", arguments.dataset, "Dataset folder of the parts, instead of --models");
   auto* config =
@@ -82,10 +79,10 @@ ChosenRecognizer choose_recognizer(const std::string& command, const RecognizerA
   }
   chosen.config = Recognizer::catalogue_config();
   if (arguments.dataset.empty()) {
-    chosen.recognizer = make_recognizer(
-        arguments.recognizer,
-        catalogue_for(arguments.recognizer, read_parts(arguments.models, arguments.reading, common), arguments.cache,
-                      common));
+    chosen.recognizer =
+        make_recognizer(arguments.recognizer,
+                        catalogue_for(arguments.recognizer, read_parts(arguments.models, arguments.reading, common),
+                                      arguments.cache, common));
   } else {
     const Unfinished descriptors;
     chosen.recognizer = make_recognizer(arguments.recognizer, load_catalogue(open_dataset(arguments.dataset),

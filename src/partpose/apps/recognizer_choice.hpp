@@ -61,8 +61,8 @@ ChosenRecognizer choose_recognizer(const std::string& command, const RecognizerA
 /// A pipeline configuration; an empty path is the default one.
 GlobalPipelineConfig pipeline_config(const std::filesystem::path& path, const std::vector<std::string>& overrides);
 
-/// The catalogue that a recognizer needs of parts without a configuration: of the Engine their meshes, of the Recognizer
-/// also views, which are made on first use and kept.
+/// The catalogue that a recognizer needs of parts without a configuration: of the Engine their meshes, of the
+/// Recognizer also views, which are made on first use and kept.
 Catalogue catalogue_for(const std::string& recognizer, const std::vector<NamedMesh>& parts,
                         const std::filesystem::path& cache, const Common& common);
 

@@ -135,9 +135,10 @@ Rendering render(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_
     } else if (beyond > 0) {
       const auto polygon = beyond_near_plane(corner);
       for (std::size_t k = 2; k < polygon.size(); ++k)
-        canvas.draw({polygon[0], polygon[k - 1], polygon[k]},
-                    {intrinsics.project(polygon[0]), intrinsics.project(polygon[k - 1]), intrinsics.project(polygon[k])},
-                    static_cast<int>(t));
+        canvas.draw(
+            {polygon[0], polygon[k - 1], polygon[k]},
+            {intrinsics.project(polygon[0]), intrinsics.project(polygon[k - 1]), intrinsics.project(polygon[k])},
+            static_cast<int>(t));
     }
   }
   for (float& value : inverse_z)

@@ -32,8 +32,7 @@ class LogDensity {
     const double peak = sensor.size_mm / (std::sqrt(2 * std::numbers::pi) * sensor.noise_mm);
     for (int i = 0; i <= entries; ++i) {
       const double t = static_cast<double>(i) / steps;
-      table_[i] =
-          static_cast<float>(std::log((1 - sensor.outlier) * peak * std::exp(-0.5 * t * t) + sensor.outlier));
+      table_[i] = static_cast<float>(std::log((1 - sensor.outlier) * peak * std::exp(-0.5 * t * t) + sensor.outlier));
     }
   }
   float operator()(float difference_mm) const {

@@ -67,10 +67,9 @@ SmallTemplate halved(const DepthTemplate& full) {
         sum += cell;
         ++seen;
       }
-      out.cell[v * SmallTemplate::side + u] =
-          unknown >= 2 ? SmallTemplate::unknown
-          : seen < 2   ? SmallTemplate::background
-                       : static_cast<std::uint8_t>((sum + seen / 2) / seen);
+      out.cell[v * SmallTemplate::side + u] = unknown >= 2 ? SmallTemplate::unknown
+                                              : seen < 2   ? SmallTemplate::background
+                                                           : static_cast<std::uint8_t>((sum + seen / 2) / seen);
     }
   return out;
 }

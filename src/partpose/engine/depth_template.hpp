@@ -10,8 +10,8 @@
 
 namespace partpose {
 
-/// What a part looks like from one side in side x side cells of a fixed size in mm, seen along the line of sight through
-/// the centroid of what is visible: 8-bit depth relative to that centroid. Row by row.
+/// What a part looks like from one side in side x side cells of a fixed size in mm, seen along the line of sight
+/// through the centroid of what is visible: 8-bit depth relative to that centroid. Row by row.
 template <int side_cells>
 struct CellDepths {
   static constexpr int side = side_cells;

@@ -26,16 +26,19 @@ namespace {
 /// An object of the frame on its way through the stages.
 struct Target {
   ObjectView view;
-  double noise_mm;                     ///< of the depths about a part that fits: slow waves are in it
-  double extent_mm = 0;                ///< about the diameter of what is seen
-  double local_noise_mm;               ///< of the depths from pixel to pixel
-  std::vector<Candidate> candidates;   ///< best first
-  std::vector<double> log_likelihoods;  ///< of the candidates, of the coarse comparison
-  double best_score = 0;               ///< probability_of_part of the best
-  Detection detection;                   ///< of the best candidate
+  double noise_mm;                        ///< of the depths about a part that fits: slow waves are in it
+  double extent_mm = 0;                   ///< about the diameter of what is seen
+  double local_noise_mm;                  ///< of the depths from pixel to pixel
+  std::vector<Candidate> candidates;      ///< best first
+  std::vector<double> log_likelihoods;    ///< of the candidates, of the coarse comparison
+  double best_score = 0;                  ///< probability_of_part of the best
+  Detection detection;                    ///< of the best candidate
   std::vector<ProjectiveRefinement> fit;  ///< of the contenders, before they are put into order
 
-  Target(const FramePieces& frame, const FrameObject& object) : view(frame, object), noise_mm(view.noise_mm), local_noise_mm(std::max(partpose::local_noise_mm(frame, object), 0.05)) {
+  Target(const FramePieces& frame, const FrameObject& object)
+      : view(frame, object),
+        noise_mm(view.noise_mm),
+        local_noise_mm(std::max(partpose::local_noise_mm(frame, object), 0.05)) {
     for (const auto& p : view.points.points_mm) extent_mm += (p.cast<double>() - view.all.centre_mm()).squaredNorm();
     extent_mm = 3 * std::sqrt(extent_mm / std::max<double>(static_cast<double>(view.points.points_mm.size()), 1));
   }
@@ -83,7 +86,7 @@ int stride_for(const ObjectView& view, int wanted) {
 
 /// The pixels that the object and the part at its pose cover, about `wanted` of them the object's.
 FrameWindow about_part(const ObjectView& view, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
-                         int wanted) {
+                       int wanted) {
   const Intrinsics& camera = view.frame->camera;
   double u0 = view.object->u0, u1 = view.object->u1, v0 = view.object->v0, v1 = view.object->v1;
   for (int k = 0; k < 8; ++k) {
@@ -127,9 +130,7 @@ struct Engine::Impl {
   /// For a comparison of every `stride`-th pixel.
   SensorModel sensor(const Target& target, int stride) const {
     constexpr int outline_px = 3;  // stereo matching makes outlines wider by half its window
-    return {.noise_mm = target.noise_mm,
-            .outline_px = (outline_px + stride - 1) / stride,
-            .size_mm = target.extent_mm};
+    return {.noise_mm = target.noise_mm, .outline_px = (outline_px + stride - 1) / stride, .size_mm = target.extent_mm};
   }
   Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
   std::vector<Detection> detections(const std::vector<Target>& targets) const;
@@ -151,8 +152,7 @@ Engine::Engine(Catalogue catalogue, EngineOptions options) : impl_(std::make_uni
   impl_->models_changed();
 }
 
-Engine::Engine(const std::vector<NamedMesh>& parts, EngineOptions options)
-    : Engine(mesh_catalogue(parts), options) {}
+Engine::Engine(const std::vector<NamedMesh>& parts, EngineOptions options) : Engine(mesh_catalogue(parts), options) {}
 
 Engine::~Engine() = default;
 
@@ -264,8 +264,8 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   r.result.timestamp = make_timestamp();
   StageTimes time(r.stages);
   const FramePieces frame = time("segmentation", [&] { return split_frame(depth, camera, impl_->pieces); });
-  r.num_of_points_input = static_cast<int>(frame.label.size() -
-                                           std::count(frame.label.begin(), frame.label.end(), FramePieces::not_measured));
+  r.num_of_points_input = static_cast<int>(
+      frame.label.size() - std::count(frame.label.begin(), frame.label.end(), FramePieces::not_measured));
   if (frame.objects.empty()) {
     r.reason = "nothing of a part's size stands out from the table or the background";
     float farthest_mm = 0;
@@ -293,7 +293,9 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   constexpr double hopeless = 0.02;
   constexpr std::size_t always = 3;
   std::stable_sort(targets.begin(), targets.end(), [&](const Target& a, const Target& b) {
-    const auto promise = [&](const Target& t) { return (t.best_score + hopeless) * std::sqrt(double(t.view.object->pixels)); };
+    const auto promise = [&](const Target& t) {
+      return (t.best_score + hopeless) * std::sqrt(double(t.view.object->pixels));
+    };
     return promise(a) > promise(b);
   });
   while (targets.size() > always && targets.back().best_score < hopeless) targets.pop_back();
@@ -403,7 +405,8 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
   hypotheses = distinct(std::move(hypotheses), model_of);
   if (hypotheses.size() > 8) hypotheses.resize(8);
   // Of two examinations the better counts.
-  if (hypotheses.empty() || (!target.log_likelihoods.empty() && -hypotheses[0].cost < target.log_likelihoods[0])) return;
+  if (hypotheses.empty() || (!target.log_likelihoods.empty() && -hypotheses[0].cost < target.log_likelihoods[0]))
+    return;
   target.candidates.clear();
   target.log_likelihoods.clear();
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {

@@ -45,7 +45,7 @@ class Grid {
  public:
   Grid(const DepthImage& depth, const Intrinsics& camera)
       : stride(std::max(1, static_cast<int>(std::ceil(
-            std::sqrt(static_cast<double>(depth.width) * depth.height / wanted_cells) - 0.05)))),
+                               std::sqrt(static_cast<double>(depth.width) * depth.height / wanted_cells) - 0.05)))),
         width((depth.width + stride - 1) / stride),
         height((depth.height + stride - 1) / stride),
         z_mm(static_cast<std::size_t>(width) * height) {
@@ -282,10 +282,12 @@ class Splitter {
     plane.rms_mm *= 1.15f;
   }
 
-  float height_mm(const CutPlane& cut, int cell) const { return cut.plane.height_mm(grid_.ray(cell), grid_.z_mm[cell]); }
+  float height_mm(const CutPlane& cut, int cell) const {
+    return cut.plane.height_mm(grid_.ray(cell), grid_.z_mm[cell]);
+  }
 
-  /// Objects on a table lie on the camera's side of its plane; where the dominant plane is a part's own face, the rest of
-  /// the part lies behind it.
+  /// Objects on a table lie on the camera's side of its plane; where the dominant plane is a part's own face, the rest
+  /// of the part lies behind it.
   bool stands_on_table(const Cells& cells) const {
     int before = 0, behind = 0;
     for (const int cell : cells) {
@@ -405,7 +407,8 @@ class Splitter {
   int min_cells_ = 8;
 };
 
-/// Labels the pixels by the cells: as the cell beside a pixel, where their depths are near and the pixel is off the plane.
+/// Labels the pixels by the cells: as the cell beside a pixel, where their depths are near and the pixel is off the
+/// plane.
 class PixelLabels {
  public:
   PixelLabels(FramePieces& frame, const Grid& grid, const Splitter& splitter)
@@ -647,8 +650,8 @@ ObjectPoints object_points(const FramePieces& frame, const FrameObject& object, 
           ++count;
         }
       if (count < least) continue;
-      out.points_mm.push_back(frame.camera.unproject(static_cast<double>(u_sum) / count,
-                                                     static_cast<double>(v_sum) / count, z_sum / static_cast<float>(count)));
+      out.points_mm.push_back(frame.camera.unproject(
+          static_cast<double>(u_sum) / count, static_cast<double>(v_sum) / count, z_sum / static_cast<float>(count)));
     }
   return out;
 }

@@ -25,14 +25,14 @@ struct FramePiecesOptions {
 
 /// Pixels that may be one object: some of the frame's pieces, or all that was measured.
 struct FrameObject {
-  std::bitset<256> labels;   ///< of the pixels that belong to it
-  bool whole_frame = false;  ///< everything measured, as if there were no table
+  std::bitset<256> labels;               ///< of the pixels that belong to it
+  bool whole_frame = false;              ///< everything measured, as if there were no table
   int u0 = 0, v0 = 0, u1 = -1, v1 = -1;  ///< the box of its pixels, both ends included
   int pixels = 0;
 };
 
-/// A table, a wall or a floor as a camera sees it: a plane by its inverse depths, 1 / z = q . (x / z, y / z, 1), in which
-/// a stereo camera's noise is the same everywhere, and how the camera bends it: a polynomial over the image.
+/// A table, a wall or a floor as a camera sees it: a plane by its inverse depths, 1 / z = q . (x / z, y / z, 1), in
+/// which a stereo camera's noise is the same everywhere, and how the camera bends it: a polynomial over the image.
 struct FlatSurface {
   static constexpr int degree = 4;
   static constexpr int terms = (degree + 1) * (degree + 2) / 2;
@@ -53,7 +53,7 @@ struct FramePieces {
   Intrinsics camera;
   /// Of each pixel, row by row: 0: not measured; 1: background; else a piece.
   std::vector<std::uint8_t> label;
-  std::vector<FrameObject> objects;        ///< largest first
+  std::vector<FrameObject> objects;  ///< largest first
   std::optional<FlatSurface> table;  ///< the dominant plane, where there is one
 
   static constexpr std::uint8_t not_measured = 0, background = 1, first_piece = 2;
@@ -62,8 +62,8 @@ struct FramePieces {
 /// Takes the dominant plane (table, wall) away, splits what is left where depth jumps, and drops what is too large or
 /// too small for any part; in a piece that is too large another plane is looked for. Where the whole frame is no larger
 /// than a part, it is an object too: the frame may show a part without a table. Pieces that nearly touch are objects
-/// together as well, two of them or all: a part may hide its own middle. Works on every second pixel (or n-th: about 80,000) and tells
-/// the others by them.
+/// together as well, two of them or all: a part may hide its own middle. Works on every second pixel (or n-th: about
+/// 80,000) and tells the others by them.
 FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options);
 
 /// Every `stride`-th pixel of the box [u0, u1] x [v0, v1], which may reach beyond the frame: nothing is known there.
@@ -77,8 +77,9 @@ struct ObjectPoints {
 };
 ObjectPoints object_points(const FramePieces& frame, const FrameObject& object, int wanted);
 
-/// Standard deviation of the depths' noise, in mm, as neighbouring pixels of the object show it: the median over windows
-/// of 5 x 5 pixels of the deviation from the plane that fits best. Slow waves are not seen. 0 when no window is full.
+/// Standard deviation of the depths' noise, in mm, as neighbouring pixels of the object show it: the median over
+/// windows of 5 x 5 pixels of the deviation from the plane that fits best. Slow waves are not seen. 0 when no window is
+/// full.
 double local_noise_mm(const FramePieces& frame, const FrameObject& object);
 
 }  // namespace partpose

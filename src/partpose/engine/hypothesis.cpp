@@ -49,7 +49,8 @@ std::optional<Eigen::Vector3d> hidden_side(const ObjectView& view) {
   // Seen at a slant, the table before an object is nearer to the camera.
   const auto is_table = [&](int u, int v, float z) {
     const Intrinsics& camera = view.frame->camera;
-    if (!view.frame->table || view.frame->label[static_cast<std::size_t>(v) * depth.width + u] != FramePieces::background)
+    if (!view.frame->table ||
+        view.frame->label[static_cast<std::size_t>(v) * depth.width + u] != FramePieces::background)
       return false;
     const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
     return view.frame->table->height_mm(ray.cast<float>(), z) < 8;
@@ -95,7 +96,8 @@ void mark_unknown(DepthTemplate& cells, const ObjectView& view, const Eigen::Vec
     const int u = static_cast<int>(std::floor(camera.fx * place.x() / place.z() + camera.cx + 0.5));
     const int v = static_cast<int>(std::floor(camera.fy * place.y() / place.z() + camera.cy + 0.5));
     const bool outside = u < 0 || v < 0 || u >= depth.width || v >= depth.height;
-    if (outside || !(depth.at(u, v) > 0) || depth.at(u, v) < place.z() - 2 * cell_mm) cells.cell[i] = DepthTemplate::unknown;
+    if (outside || !(depth.at(u, v) > 0) || depth.at(u, v) < place.z() - 2 * cell_mm)
+      cells.cell[i] = DepthTemplate::unknown;
   }
 }
 
@@ -167,13 +169,10 @@ void keep_lowest(std::vector<Look>& looks, std::size_t count) {
 }
 
 /// In mm2 of surface that differs by the cap or more, so that parts of different size compare.
-float cost_of_step(const TemplateScale& scale) {
-  return static_cast<float>(scale.cell_mm * scale.cell_mm / scale.cap);
-}
+float cost_of_step(const TemplateScale& scale) { return static_cast<float>(scale.cell_mm * scale.cell_mm / scale.cap); }
 
 /// How badly what a view shows falls into the frame, 0 to 1 for each point.
-double reverse_cost(const Hypothesis& hypothesis, const PartModel& model, const ObjectView& view,
-                    double tolerance_mm) {
+double reverse_cost(const Hypothesis& hypothesis, const PartModel& model, const ObjectView& view, double tolerance_mm) {
   const DepthImage& depth = *view.frame->depth;
   const Intrinsics& camera = view.frame->camera;
   const Eigen::Isometry3f camera_from_model = hypothesis.camera_from_model.cast<float>();
@@ -215,7 +214,8 @@ double expected_noise_mm(const FramePieces& frame, const FrameObject& object, co
     const Eigen::Vector3d ray = centre_mm / z_mm, q = frame.table->q.cast<double>();
     const double inverse_table_z = q.dot(ray);
     const double along_ray = inverse_table_z / q.norm();  // of a height's change, for each of depth
-    if (along_ray > 0.2) noise_mm = std::max(noise_mm, frame.table->rms_mm / along_ray * std::pow(z_mm * inverse_table_z, 2));
+    if (along_ray > 0.2)
+      noise_mm = std::max(noise_mm, frame.table->rms_mm / along_ray * std::pow(z_mm * inverse_table_z, 2));
   }
   return noise_mm;
 }
@@ -276,10 +276,9 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
   for (Look& look : looks) {
     const PartModel& model = *models[look.part];
     const TurnedTemplates& templates = turned.at(model.scale.cell_mm)[look.place];
-    look.cost = templates.beyond_mm2 +
-                cost_of_step(model.scale) / templates.known *
-                    static_cast<float>(
-                    capped_difference(model.templates[look.view], templates.full[look.roll], model.scale.cap));
+    look.cost = templates.beyond_mm2 + cost_of_step(model.scale) / templates.known *
+                                           static_cast<float>(capped_difference(
+                                               model.templates[look.view], templates.full[look.roll], model.scale.cap));
   }
   std::sort(looks.begin(), looks.end());
 

@@ -34,10 +34,10 @@ struct ObjectView {
 };
 
 struct ShortlistOptions {
-  int small_kept = 1000;  ///< that go on from the small templates, of all parts together
-  int kept = 60;          ///< of all parts together
-  int kept_per_part = 8;  ///< in any case, of the parts that are still there
-  int most_parts = 12;    ///< for which that holds
+  int small_kept = 1000;     ///< that go on from the small templates, of all parts together
+  int kept = 60;             ///< of all parts together
+  int kept_per_part = 8;     ///< in any case, of the parts that are still there
+  int most_parts = 12;       ///< for which that holds
   bool look_behind = false;  ///< what is hidden by something nearer may be anything there
 };
 

@@ -10,8 +10,8 @@
 #include "partpose/engine/field_refinement.hpp"
 #include "partpose/geometry/icosphere.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <meshoptimizer.h>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -68,8 +68,7 @@ std::vector<Eigen::Vector3f> surface_points(const TriangleMesh& mesh, int count)
   std::vector<double> area_to;  // of the triangles up to each
   double area = 0;
   for (const auto& [a, b, c] : mesh.triangles) {
-    const Eigen::Vector3f normal =
-        (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+    const Eigen::Vector3f normal = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
     area_to.push_back(area += std::isfinite(normal.norm()) ? normal.norm() : 0);
   }
   Random random(1);
@@ -112,9 +111,8 @@ std::vector<Eigen::Isometry3d> find_partners(const PartModel& model) {
   };
   const double scale_mm = 0.02 * model.diameter_mm;
   const auto partner_at = [&](const Eigen::Vector3d& axis, double angle_deg, const Eigen::Vector3d& place) {
-    const auto refined =
-        refine_on_field(model.field, turn_about(axis, radians(angle_deg), place).inverse(), probes,
-                        {.start_scale_mm = scale_mm, .end_scale_mm = scale_mm, .max_iterations = 3});
+    const auto refined = refine_on_field(model.field, turn_about(axis, radians(angle_deg), place).inverse(), probes,
+                                         {.start_scale_mm = scale_mm, .end_scale_mm = scale_mm, .max_iterations = 3});
     return Partner{refined.mean_capped, refined.camera_from_model};
   };
   constexpr double most_cost = 1.2;  // on the average farther away than about 2 % of the diameter

@@ -29,14 +29,14 @@ struct PartModel {
   double diameter_mm = 0;
   Eigen::Vector3d middle_mm = Eigen::Vector3d::Zero();  ///< of the bounding box
   Eigen::AlignedBox3d box_mm;
-  TriangleMesh outline;   ///< for a first look: few triangles, as near to the surface as `outline_share` of the diameter
-  TriangleMesh surface;   ///< for the last: as near as `surface_share`
+  TriangleMesh outline;  ///< for a first look: few triangles, as near to the surface as `outline_share` of the diameter
+  TriangleMesh surface;  ///< for the last: as near as `surface_share`
   TemplateScale scale;
   std::vector<PartView> views;
   std::vector<DepthTemplate> templates;        ///< of each view
   std::vector<SmallTemplate> small_templates;  ///< of each view
   SurfaceField field;
-  std::vector<Eigen::Vector3f> samples_mm;     ///< spread evenly over the surface, model frame
+  std::vector<Eigen::Vector3f> samples_mm;  ///< spread evenly over the surface, model frame
   /// Turns (model_from_model) that put the part nearly back onto itself: where it may be mistaken for itself.
   std::vector<Eigen::Isometry3d> partners;
 

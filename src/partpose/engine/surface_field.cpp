@@ -18,7 +18,7 @@ namespace partpose {
 
 namespace {
 
-constexpr float margin_share = 0.1f;     // of the part's longest side, around it
+constexpr float margin_share = 0.1f;        // of the part's longest side, around it
 constexpr float finest_share = 1 / 128.0f;  // of the longest side: finer cells gain nothing
 
 /// Where on a triangle the place nearest to a query lies.
@@ -285,7 +285,8 @@ SurfaceField::Samples SurfaceField::at(const Lanes& x_mm, const Lanes& y_mm, con
 
 SurfaceField::Sample SurfaceField::at(const Eigen::Vector3f& place_mm) const {
   Lanes x, y, z;
-  for (int i = 0; i < Lanes::count; ++i) x.value[i] = place_mm.x(), y.value[i] = place_mm.y(), z.value[i] = place_mm.z();
+  for (int i = 0; i < Lanes::count; ++i)
+    x.value[i] = place_mm.x(), y.value[i] = place_mm.y(), z.value[i] = place_mm.z();
   const Samples samples = at(x, y, z);
   return {samples.distance_mm.value[0],
           {samples.gradient_x.value[0], samples.gradient_y.value[0], samples.gradient_z.value[0]}};

@@ -75,8 +75,7 @@ bool looks_the_same(const TriangleMesh& a, const Eigen::Isometry3d& camera_from_
 Matrix6d pose_covariance(const Matrix6d& hessian, const Eigen::Vector3d& centre_mm, const Eigen::Vector3d& middle_mm,
                          const DepthNoise& noise, int stride, double size_mm) {
   const double slow_mm2 = std::max(noise.total_mm * noise.total_mm - noise.local_mm * noise.local_mm, 0.0);
-  const double variance_mm2 =
-      noise.local_mm * noise.local_mm + slow_mm2 * std::max(alike_px / (stride * stride), 1.0);
+  const double variance_mm2 = noise.local_mm * noise.local_mm + slow_mm2 * std::max(alike_px / (stride * stride), 1.0);
   Matrix6d information = hessian / variance_mm2;
   information.diagonal().head<3>().array() += 1 / (std::numbers::pi * std::numbers::pi);
   information.diagonal().tail<3>().array() += 1 / (size_mm * size_mm);

@@ -27,9 +27,9 @@ struct DepthNoise {
   double local_mm = 1, total_mm = 1;
 };
 
-/// Covariance of a pose from the normal equations of its last refinement about `centre_mm`, for every `stride`-th pixel;
-/// given about `middle_mm` (both camera frame): rotation vector [rad], then translation [mm]. Directions that the
-/// surface leaves free have that of a pose of which nothing is known but the part's size.
+/// Covariance of a pose from the normal equations of its last refinement about `centre_mm`, for every `stride`-th
+/// pixel; given about `middle_mm` (both camera frame): rotation vector [rad], then translation [mm]. Directions that
+/// the surface leaves free have that of a pose of which nothing is known but the part's size.
 Matrix6d pose_covariance(const Matrix6d& hessian, const Eigen::Vector3d& centre_mm, const Eigen::Vector3d& middle_mm,
                          const DepthNoise& noise, int stride, double size_mm);
 

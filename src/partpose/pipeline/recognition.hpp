@@ -41,8 +41,9 @@ struct Alternative {
 struct Detection {
   int part = -1;  ///< index into Catalogue::parts
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
-  float score = -1;       ///< 0 to 1, as of a Candidate
-  double confidence = 0;  ///< probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1
+  float score = -1;  ///< 0 to 1, as of a Candidate
+  double confidence =
+      0;  ///< probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1
   /// Of a small rotation vector [rad] and translation [mm] of the part, about its box's middle, in the camera's axes.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   std::vector<Alternative> alternatives = {};  ///< likeliest first; poses that are the same by symmetry are not listed

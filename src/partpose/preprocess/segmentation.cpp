@@ -173,8 +173,8 @@ class Splitter {
     return CutPlane{fit->plane, std::clamp(3 * fit->rms_mm, 1.5, static_cast<double>(threshold))};
   }
 
-  /// Objects on a table lie on the camera's side of its plane; where the dominant plane is a part's own face, the rest of
-  /// the part lies behind it.
+  /// Objects on a table lie on the camera's side of its plane; where the dominant plane is a part's own face, the rest
+  /// of the part lies behind it.
   bool stands_on_table(const std::vector<int>& pixels) const {
     const auto plane = dominant_plane(pixels);
     if (!plane) return false;
@@ -296,7 +296,8 @@ std::optional<Comb> comb_of(std::vector<float> values) {
     const double at = (value - comb.first) / comb.step;
     off += std::abs(at - std::round(at)) > off_share;
   }
-  if (static_cast<double>(off) > most_off * static_cast<double>(values.size()) || comb.count > most_teeth) return std::nullopt;
+  if (static_cast<double>(off) > most_off * static_cast<double>(values.size()) || comb.count > most_teeth)
+    return std::nullopt;
   return comb;
 }
 

@@ -27,8 +27,8 @@ struct Segment {
 std::optional<double> angular_spacing_rad(const PointCloud& cloud);
 
 /// The camera that a cloud was taken with, where its points still lie on the lines of sight through the pixels of one:
-/// clouds of depth cameras and of simulations do. Nothing for others. Not necessarily of the same size: it just covers the
-/// cloud.
+/// clouds of depth cameras and of simulations do. Nothing for others. Not necessarily of the same size: it just covers
+/// the cloud.
 std::optional<Intrinsics> pixel_grid_of(const PointCloud& cloud, int margin_px = 2);
 
 /// The camera whose image a cloud taken from the origin fills without holes, pixels somewhat wider than the points'
@@ -37,8 +37,8 @@ std::optional<Intrinsics> pixel_grid_of(const PointCloud& cloud, int margin_px =
 std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px = 2);
 
 /// What may be single objects in a frame. Large planes (table, wall) are taken away, what is left is split where depth
-/// jumps, and what is too large or too small for any part is dropped. Where the whole frame is no larger than a part, it
-/// is a segment too: the frame may show a part without a table. Largest first.
+/// jumps, and what is too large or too small for any part is dropped. Where the whole frame is no larger than a part,
+/// it is a segment too: the frame may show a part without a table. Largest first.
 std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, const SegmentationOptions& options);
 
 }  // namespace partpose
