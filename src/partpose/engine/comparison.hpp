@@ -19,6 +19,8 @@ struct SensorModel {
   double hole = 0.15;     ///< share of the part's pixels without a depth
   double hidden = 0.3;    ///< share of the part's pixels where something else is before it
   int outline_px = 1;     ///< so far an object's outline may be off, in pixels of the comparison
+  double growth_px = 0;   ///< so far what is in front grows over what is behind it, in pixels of the comparison
+  double edge_mm = 10;    ///< from such a jump in depth on
   double size_mm = 100;   ///< the depths in question: where nothing is known, a depth is anywhere in it
 };
 
@@ -39,6 +41,7 @@ struct DepthComparison {
   int hidden = 0;                  ///< of them: behind something else that was measured
   int nothing = 0;                 ///< of them: nothing was measured
   int model_outline = 0;           ///< of them: not the object's, but next to it
+  int missing_outline = 0;         ///< pixels beside the part that it should have grown over, but did not
   int object = 0;                  ///< pixels of the object
   int unexplained = 0;             ///< of them: no part is rendered there within three deviations, nor at a neighbour
   int object_outline = 0;          ///< of them: not the part's, but next to it

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <optional>
 
 namespace partpose {
@@ -105,6 +106,19 @@ FrameWindow about_part(const ObjectView& view, const PartModel& model, const Eig
 }
 
 constexpr int coarse_pixels = 800, fine_pixels = 2500;
+constexpr std::size_t most_contenders = 6;
+
+/// Of those in order the first, and after it so many that every part is heard before any part is a third time.
+std::vector<Hypothesis> contenders_first(std::vector<Hypothesis> sorted) {
+  std::map<int, int> of_part;
+  std::vector<Hypothesis> first, rest;
+  for (auto& h : sorted) {
+    const bool heard = ++of_part[h.part] <= 2 && first.size() < most_contenders;
+    (heard ? first : rest).push_back(std::move(h));
+  }
+  first.insert(first.end(), std::make_move_iterator(rest.begin()), std::make_move_iterator(rest.end()));
+  return first;
+}
 
 }  // namespace
 
@@ -130,7 +144,12 @@ struct Engine::Impl {
   /// For a comparison of every `stride`-th pixel.
   SensorModel sensor(const Target& target, int stride) const {
     constexpr int outline_px = 3;  // stereo matching makes outlines wider by half its window
-    return {.noise_mm = target.noise_mm, .outline_px = (outline_px + stride - 1) / stride, .size_mm = target.extent_mm};
+    const double z_mm = target.view.all.centre_mm().z();
+    return {.noise_mm = target.noise_mm,
+            .outline_px = (outline_px + stride - 1) / stride,
+            .growth_px = target.view.frame->foreground_growth_px / stride,
+            .edge_mm = target.view.frame->edge_mm(z_mm),
+            .size_mm = target.extent_mm};
   }
   Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
   std::vector<Detection> detections(const std::vector<Target>& targets) const;
@@ -307,7 +326,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     const double z_mm = target.view.all.centre_mm().z();
     // Not of a fit that is far beyond what is to be expected.
     if (&target == &targets[0] && std::isfinite(left_mm)) noise_per_mm2 = left_mm / (z_mm * z_mm);
-    target.noise_mm = std::clamp(noise_per_mm2 * z_mm * z_mm, target.view.noise_mm, 1.3 * target.view.noise_mm);
+    target.noise_mm = std::clamp(noise_per_mm2 * z_mm * z_mm, 0.65 * target.view.noise_mm, 1.3 * target.view.noise_mm);
     time("decision", [&] { impl_->decide(target); });
   }
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
@@ -396,13 +415,17 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
       more.back().camera_from_model = hypotheses[i].camera_from_model * partners[k];
     }
   }
+  if (!hypotheses.empty()) {
+    const auto others = in_place_of(hypotheses[0], model_of);
+    more.insert(more.end(), others.begin(), others.end());
+  }
   parallel_for(more.size(), [&](std::size_t i) {
     settle(more[i]);
     more[i].cost = -compare(more[i]).log_likelihood;
   });
   hypotheses.insert(hypotheses.end(), more.begin(), more.end());
   sort_by_cost(hypotheses);
-  hypotheses = distinct(std::move(hypotheses), model_of);
+  hypotheses = contenders_first(distinct(std::move(hypotheses), model_of));
   if (hypotheses.size() > 8) hypotheses.resize(8);
   // Of two examinations the better counts.
   if (hypotheses.empty() || (!target.log_likelihoods.empty() && -hypotheses[0].cost < target.log_likelihoods[0]))
@@ -420,7 +443,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
 std::size_t Engine::Impl::contenders_of(const Target& target) const {
   const double margin = 0.15 * std::abs(target.log_likelihoods[0]) + 30;
   std::size_t contenders = 1;
-  while (contenders < std::min<std::size_t>(target.candidates.size(), 4) &&
+  while (contenders < std::min(target.candidates.size(), most_contenders) &&
          target.log_likelihoods[contenders] > target.log_likelihoods[0] - margin)
     ++contenders;
   return contenders;

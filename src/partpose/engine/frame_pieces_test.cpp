@@ -105,6 +105,31 @@ TEST_F(FramePiecesTest, LocalNoiseIsThatOfNeighbouringPixels) {
   EXPECT_NEAR(local_noise_mm(frame, frame.objects[0]), 1.5, 0.2);
 }
 
+TEST_F(FramePiecesTest, ForegroundGrowsWhereNeighboursErrTogether) {
+  put(shapes::box(Eigen::Vector3f(100, 100, 40)), {0, 0, -21});
+  const DepthImage clean = depth;
+  add_noise(1.5);
+  const FramePieces independent = split();
+  ASSERT_FALSE(independent.objects.empty());
+  EXPECT_NEAR(neighbour_correlation(independent, independent.objects[0]).value(), 0, 0.06);
+  EXPECT_EQ(independent.foreground_growth_px, 0);
+  // The mean of three pixels in a row, as a matched window gives.
+  const DepthImage noisy = depth;
+  for (int v = 0; v < depth.height; ++v)
+    for (int u = 1; u + 1 < depth.width; ++u) {
+      float noise = 0;
+      for (int du = -1; du <= 1; ++du) noise += (noisy.at(u + du, v) - clean.at(u + du, v)) / 3;
+      depth.z_mm[static_cast<std::size_t>(v) * depth.width + u] = clean.at(u, v) + noise;
+    }
+  const FramePieces stereo = split();
+  ASSERT_FALSE(stereo.objects.empty());
+  EXPECT_GT(neighbour_correlation(stereo, stereo.objects[0]).value(), 0.2);
+  EXPECT_GT(stereo.foreground_growth_px, 0);
+  // What may have grown is not among the points.
+  EXPECT_LT(object_points(stereo, stereo.objects[0], 2000).points_mm.size(),
+            0.97 * object_points(independent, independent.objects[0], 2000).points_mm.size());
+}
+
 TEST_F(FramePiecesTest, PointsAreMeansOfBlocks) {
   put(shapes::box(Eigen::Vector3f(100, 100, 40)), {0, 0, -21});
   const FramePieces frame = split();

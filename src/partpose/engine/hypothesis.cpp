@@ -344,6 +344,47 @@ std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const
   return kept;
 }
 
+std::vector<Hypothesis> in_place_of(const Hypothesis& hypothesis, std::span<const PartModel* const> models) {
+  constexpr double most_difference = 0.03;  // of the boxes' edges, in diameters
+  constexpr std::size_t most = 24;
+  static const std::vector<Eigen::Matrix3d> axis_turns = [] {
+    std::vector<Eigen::Matrix3d> turns;
+    std::array<int, 3> axis = {0, 1, 2};
+    do
+      for (int signs = 0; signs < 8; ++signs) {
+        Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+        for (int k = 0; k < 3; ++k) turn(axis[k], k) = signs >> k & 1 ? -1 : 1;
+        if (turn.determinant() > 0) turns.push_back(turn);
+      }
+    while (std::next_permutation(axis.begin(), axis.end()));
+    return turns;
+  }();
+  const PartModel& brother = *models[hypothesis.part];
+  const Eigen::Vector3d size_mm = brother.box_mm.sizes();
+  std::vector<Hypothesis> found;
+  for (int part = 0; part < static_cast<int>(models.size()); ++part) {
+    const PartModel& model = *models[part];
+    const double most_mm = most_difference * brother.diameter_mm;
+    if (part == hypothesis.part || std::abs(model.diameter_mm - brother.diameter_mm) > 2 * most_mm) continue;
+    for (const auto& turn : axis_turns) {
+      const double differs_mm = (turn.cwiseAbs() * model.box_mm.sizes() - size_mm).cwiseAbs().maxCoeff();
+      if (differs_mm > most_mm) continue;
+      Hypothesis h = hypothesis;
+      h.part = part;
+      h.view = 0;
+      h.cost = differs_mm;
+      Eigen::Isometry3d brother_from_model = Eigen::Isometry3d::Identity();
+      brother_from_model.linear() = turn;
+      brother_from_model.translation() = brother.middle_mm - turn * model.middle_mm;
+      h.start = h.camera_from_model = hypothesis.camera_from_model * brother_from_model;
+      found.push_back(h);
+    }
+  }
+  sort_by_cost(found);
+  if (found.size() > most) found.resize(most);
+  return found;
+}
+
 std::vector<Hypothesis> best_of(std::vector<Hypothesis> all, std::size_t count, int per_part) {
   sort_by_cost(all);
   constexpr std::size_t most_parts = 12;

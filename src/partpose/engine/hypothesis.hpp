@@ -56,6 +56,10 @@ void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* cons
 /// Without those that are the same part at about the same pose as a better one. Best first, as given.
 std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const PartModel* const> models);
 
+/// Other parts whose boxes are about that of the hypothesis', laid into it in each way in which they fit: a mirror twin
+/// is not found where its brother is like it.
+std::vector<Hypothesis> in_place_of(const Hypothesis& hypothesis, std::span<const PartModel* const> models);
+
 /// The `count` of lowest cost, and besides them the best `per_part` of each of the best dozen of parts.
 std::vector<Hypothesis> best_of(std::vector<Hypothesis> all, std::size_t count, int per_part);
 

@@ -15,20 +15,19 @@ namespace partpose {
 namespace {
 
 /// So many pixels of a stereo camera's depth err together: about the area within its correlation length.
-constexpr double alike_px = 60;
+constexpr double alike_px = 130;
 
 double share(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
 
 }  // namespace
 
 double probability_of_part(const DepthComparison& c) {
+  if (c.explained == 0) return 0;
   const int visible = std::max(c.model - c.hidden, 1);
   const double gain = c.best_log_likelihood > 0 ? std::min(c.log_likelihood / c.best_log_likelihood, 1.0) : 0;
-  const double deviation = c.compared > 0 ? std::min(c.squared_deviations / c.compared, 5.0) : 5;
-  const double logit = 1.0 + 4.3 * gain - 25.0 * share(c.unexplained, c.object) -
-                       60.0 * share(c.free_space + c.below_table, visible) - 12.0 * share(c.nothing, visible) -
-                       2.0 * share(c.model_outline, visible) + 8.6 * share(c.object_outline, c.object) -
-                       0.6 * deviation;
+  const double logit = 1.2 + 2.9 * gain - 20 * share(c.unexplained, c.object) -
+                       48 * share(c.free_space + c.below_table, visible) - 10 * share(c.nothing, visible) -
+                       5.1 * share(c.model_outline, visible);
   return 1 / (1 + std::exp(-logit));
 }
 
