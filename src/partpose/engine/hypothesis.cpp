@@ -100,7 +100,6 @@ TurnedTemplates turned_templates(const ObjectView& view, const Eigen::Vector3d& 
   const double spacing_mm = view.points.block_px * centre_mm.norm() / view.frame->camera.fx;
   TurnedTemplates out;
   out.centre_mm = centre_mm;
-  out.with_unknown = with_unknown;
   for (int k = 0; k < rolls; ++k) {
     const double roll_rad = 2 * std::numbers::pi * k / rolls;
     DepthTemplate cells = make_template(relative, roll_rad, spacing_mm, scale);
@@ -211,10 +210,12 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
   // Among many parts the right one has more before it.
   wider *= std::clamp(static_cast<int>(std::sqrt(static_cast<double>(models.size()) / 20)), 1, 8);
   TurnedByScale turned;
-  for (const PartModel* model : models) {
-    auto& templates = turned[model->scale.cell_mm];
-    if (templates.empty()) templates = all_turned_templates(view, model->scale, hidden);
-  }
+  std::vector<std::pair<const TemplateScale*, std::vector<TurnedTemplates>*>> scales;
+  for (const PartModel* model : models)
+    if (const auto [found, is_new] = turned.try_emplace(model->scale.cell_mm); is_new)
+      scales.emplace_back(&model->scale, &found->second);
+  parallel_for(scales.size(),
+               [&](std::size_t i) { *scales[i].second = all_turned_templates(view, *scales[i].first, hidden); });
 
   constexpr std::size_t kept_small_per_part = 200;
   std::vector<Look> looks = best_looks(models, turned, kept_small_per_part * wider,

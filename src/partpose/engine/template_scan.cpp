@@ -44,8 +44,7 @@ std::vector<Look> looks_of(const PartModel& model, int part, const std::vector<T
     const float room = (dearest - turned.beyond_mm2) / per_step;
     if (!(room >= 0)) continue;
     for (std::size_t v = 0; v < model.views.size(); ++v)
-      capped_differences(model.small_templates[v], turned.small, model.scale.cap, turned.with_unknown,
-                         &differences[v * rolls]);
+      capped_differences(model.small_templates[v], turned.small, model.scale.cap, &differences[v * rolls]);
     int limit = static_cast<int>(std::min(room + 1, static_cast<float>(most_steps)));
     std::size_t near = 0;
     for (const std::uint16_t d : differences) near += d <= limit;

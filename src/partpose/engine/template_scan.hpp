@@ -21,7 +21,6 @@ struct TurnedTemplates {
   Eigen::Vector3d centre_mm;  ///< camera frame
   std::vector<DepthTemplate> full;
   std::vector<SmallTemplate> small;
-  bool with_unknown = false;  ///< some cells may be unknown
   float known = 1;            ///< share of the cells that are not unknown, at the first turn
   float beyond_mm2 = 0;       ///< of the object's surface that is too far away for a part of this size
 };
