@@ -383,6 +383,26 @@ TEST(Rasterizer, BothSidesAreDrawn) {
   }
 }
 
+TEST(Rasterizer, OfAClosedSurfaceTheFrontIsAllThatIsSeen) {
+  Random random(11);
+  for (int i = 0; i < 20; ++i) {
+    const auto pose = random_pose(random, {0, 0, 500});
+    for (const auto& mesh : {l_bracket(), sphere(30, 24, 12)}) {
+      const DepthImage both = render_depth(mesh, pose, small_camera);
+      const DepthImage front = render_depth(mesh, pose, small_camera, Faces::front);
+      EXPECT_TRUE(same_bits(both.z_mm, render(mesh, pose, small_camera).depth.z_mm));
+      int differing = 0;  // on the outline, where rounding decides
+      for (std::size_t p = 0; p < both.z_mm.size(); ++p) differing += both.z_mm[p] != front.z_mm[p];
+      EXPECT_LE(differing, 2);
+    }
+  }
+  auto turned = plane_patch(1000, 1000);
+  for (auto& [a, b, c] : turned.triangles) std::swap(b, c);
+  const double seen = render_depth(plane_patch(1000, 1000), at(0, 0, 500), small_camera, Faces::front).at(80, 60) +
+                      render_depth(turned, at(0, 0, 500), small_camera, Faces::front).at(80, 60);
+  EXPECT_NEAR(seen, 500, 1e-3) << "of one side only";
+}
+
 TEST(Rasterizer, TheNearestOfSeveralSurfacesWinsInAnyOrder) {
   const auto near = moved(plane_patch(20, 20), at(0, 0, -30)), far = plane_patch(60, 60);
   const Intrinsics camera = {101, 101, 500, 500, 50, 50};

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/engine/comparison.hpp"
 
-#include "partpose/camera/rasterizer.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,36 +13,7 @@ namespace partpose {
 
 namespace {
 
-/// The smallest difference in depth to the pixels within `reach` that `count`; infinite when none does.
-template <typename Counts>
-float smallest_near(float z_mm, int u, int v, int reach, const DepthImage& other, const Counts& counts) {
-  float smallest = std::numeric_limits<float>::infinity();
-  for (int vv = std::max(v - reach, 0); vv <= std::min(v + reach, other.height - 1); ++vv)
-    for (int uu = std::max(u - reach, 0); uu <= std::min(u + reach, other.width - 1); ++uu)
-      if (counts(static_cast<std::size_t>(vv) * other.width + uu))
-        smallest = std::min(smallest, std::abs(z_mm - other.at(uu, vv)));
-  return smallest;
-}
-
-/// Log-density of a depth's difference against the hypothesis that a depth is anywhere within the part's size.
-class LogDensity {
- public:
-  explicit LogDensity(const SensorModel& sensor) : per_noise_(static_cast<float>(1 / sensor.noise_mm)) {
-    const double peak = sensor.size_mm / (std::sqrt(2 * std::numbers::pi) * sensor.noise_mm);
-    for (int i = 0; i <= entries; ++i) {
-      const double t = static_cast<double>(i) / steps;
-      table_[i] = static_cast<float>(std::log((1 - sensor.outlier) * peak * std::exp(-0.5 * t * t) + sensor.outlier));
-    }
-  }
-  float operator()(float difference_mm) const {
-    return table_[static_cast<int>(std::min(difference_mm * per_noise_ * steps, static_cast<float>(entries)))];
-  }
-
- private:
-  static constexpr int steps = 32, entries = 6 * steps;  // beyond six deviations it is an outlier
-  float per_noise_;
-  std::array<float, entries + 1> table_;
-};
+constexpr float nowhere_mm = std::numeric_limits<float>::infinity();
 
 /// What a camera makes of a part's outline: by how many pixels it grows over what is behind it.
 class Outline {
@@ -102,13 +71,82 @@ std::vector<Beside> beside_part(const DepthImage& rendered, int reach) {
 
 }  // namespace
 
-DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
-                              const FrameWindow& frame, const SensorModel& sensor) {
-  const DepthImage rendered = render(mesh, camera_from_model, frame.camera).depth;
-  const auto is_object = [&](std::size_t p) { return frame.label[p] == PixelLabel::object; };
-  const auto is_model = [&](std::size_t p) { return rendered.z_mm[p] > 0; };
+PaddedDepth::PaddedDepth(int width, int height, int reach)
+    : reach_(reach),
+      row_length_(width + 2 * reach + Lanes::count),
+      z_mm_(static_cast<std::size_t>(row_length_) * (height + 2 * reach), nowhere_mm),
+      beyond_((2 * reach + Lanes::count) / Lanes::count) {
+  for (int i = 0; i < static_cast<int>(beyond_.size()) * Lanes::count; ++i)
+    beyond_[i / Lanes::count].value[i % Lanes::count] = i <= 2 * reach ? 0 : nowhere_mm;
+}
 
-  const LogDensity log_density(sensor);
+float PaddedDepth::smallest_difference(float z_mm, int u, int v) const {
+  float smallest_mm = nowhere_mm;
+  for (std::size_t k = 0; k < beyond_.size(); ++k) {
+    const float* from = row(v - reach_) + u - reach_ + k * Lanes::count;
+    Lanes smallest;
+    std::fill_n(smallest.value, Lanes::count, nowhere_mm);
+    for (int dv = -reach_; dv <= reach_; ++dv, from += row_length_)
+#pragma omp simd
+      for (int i = 0; i < Lanes::count; ++i) {
+        const float difference = std::abs(z_mm - from[i]);
+        smallest.value[i] = difference < smallest.value[i] ? difference : smallest.value[i];
+      }
+    for (int i = 0; i < Lanes::count; ++i) smallest.value[i] += beyond_[k].value[i];
+    for (int half = Lanes::count / 2; half > 0; half /= 2)
+      for (int i = 0; i < half; ++i) smallest.value[i] = std::min(smallest.value[i], smallest.value[i + half]);
+    smallest_mm = std::min(smallest_mm, smallest.value[0]);
+  }
+  return smallest_mm;
+}
+
+DepthComparer::DepthComparer(const FrameWindow& frame, const SensorModel& sensor)
+    : frame_(frame),
+      sensor_(sensor),
+      object_(frame.depth.width, frame.depth.height, std::max(sensor.outline_px, 1)),
+      steps_per_mm_(static_cast<float>(steps / sensor.noise_mm)) {
+  for (int v = 0; v < frame.depth.height; ++v)
+    for (int u = 0; u < frame.depth.width; ++u) {
+      const std::size_t p = static_cast<std::size_t>(v) * frame.depth.width + u;
+      if (frame.label[p] != PixelLabel::object) continue;
+      object_.row(v)[u] = frame.depth.z_mm[p];
+      object_box_.extend(Eigen::Vector2i(u, v));
+    }
+  const double peak = sensor.size_mm / (std::sqrt(2 * std::numbers::pi) * sensor.noise_mm);
+  for (int i = 0; i <= entries; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    log_density_[i] =
+        static_cast<float>(std::log((1 - sensor.outlier) * peak * std::exp(-0.5 * t * t) + sensor.outlier));
+  }
+}
+
+DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
+                                          const Eigen::AlignedBox2d& covered, Faces faces) const {
+  const SensorModel& sensor = sensor_;
+  // Only where the object or the part may be.
+  Eigen::AlignedBox2i box = object_box_;
+  const Eigen::Vector2d last(frame_.depth.width - 1, frame_.depth.height - 1);
+  const Eigen::AlignedBox2d inside = covered.intersection(Eigen::AlignedBox2d(Eigen::Vector2d::Zero(), last));
+  const int reach = std::max(sensor.outline_px, 1);
+  if (!inside.isEmpty()) {
+    const Eigen::AlignedBox2i part((inside.min().array().floor() - reach).cast<int>().matrix(),
+                                   (inside.max().array().ceil() + reach).cast<int>().matrix());
+    box.extend(part.intersection(Eigen::AlignedBox2i(Eigen::Vector2i::Zero(), last.cast<int>())));
+  }
+  DepthComparison out;
+  if (box.isEmpty()) return out;
+  const int u0 = box.min().x(), v0 = box.min().y();
+  Intrinsics camera = frame_.camera;
+  camera.cx -= u0, camera.cy -= v0;
+  camera.width = box.sizes().x() + 1, camera.height = box.sizes().y() + 1;
+  const DepthImage rendered = render_depth(mesh, camera_from_model, camera, faces);
+  PaddedDepth part(camera.width, camera.height, reach);
+  for (int v = 0; v < camera.height; ++v) {
+    const float* from = &rendered.z_mm[static_cast<std::size_t>(v) * camera.width];
+    float* to = part.row(v);
+    for (int u = 0; u < camera.width; ++u) to[u] = from[u] > 0 ? from[u] : nowhere_mm;
+  }
+
   const auto noise_mm = static_cast<float>(sensor.noise_mm);
   constexpr float log_edge = -1;  // a depth that only a neighbour explains: an outline moved by a pixel
   const auto log_outlier = static_cast<float>(std::log(sensor.outlier));
@@ -122,25 +160,23 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
 
   constexpr float outline_weight = 0.25f, nothing_weight = 0.5f, hidden_weight = 0.15f;
   const auto log_outline = static_cast<float>(std::log(0.5));
-  const int reach = std::max(sensor.outline_px, 1);
   const Outline outline(sensor);
-  const int beside_reach = std::min(reach + (sensor.growth_px > 0 ? 1 : 0), Outline::most);
-  const std::vector<Beside> beside = beside_part(rendered, beside_reach);
+  const std::vector<Beside> beside = beside_part(rendered, std::min(reach, Outline::most));
 
-  DepthComparison out;
   double log_likelihood = 0, soft = 0, judged = 0, squared = 0;
-  for (int v = 0; v < rendered.height; ++v) {
-    for (int u = 0; u < rendered.width; ++u) {
-      const std::size_t p = static_cast<std::size_t>(v) * rendered.width + u;
-      const float model_z = rendered.z_mm[p], measured_z = frame.depth.z_mm[p];
-      const bool object = is_object(p), model = is_model(p);
+  for (int v = 0; v < camera.height; ++v) {
+    const float* part_row = part.row(v);
+    const float* object_row = object_.row(v0 + v) + u0;
+    for (int u = 0; u < camera.width; ++u) {
+      const float model_z = part_row[u], object_z = object_row[u];
+      const bool object = object_z < nowhere_mm, model = model_z < nowhere_mm;
       if (object) ++out.object;
       if (model) ++out.model;
       if (model && object) {
-        const float here = std::abs(model_z - measured_z);
+        const float here = std::abs(model_z - object_z);
         // Beside an edge the foreground may have won. Where the depths agree at once, the neighbours are not asked.
         const bool sure = here <= noise_mm;
-        const float near = sure ? here : smallest_near(measured_z, u, v, reach, rendered, is_model);
+        const float near = sure ? here : part.smallest_difference(object_z, u, v);
         const float agree = agreement(near);
         out.explained += agree > 0;
         out.unexplained += agree <= 0;
@@ -149,14 +185,17 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
         const float t = here / noise_mm;
         squared += std::min(t * t, 9.0f);
         ++out.compared;
-        log_likelihood += log_match + std::max(log_density(here), log_edge + log_density(near));
+        log_likelihood +=
+            log_match + (sure ? log_density(here) : std::max(log_density(here), log_edge + log_density(near)));
       } else if (model) {
-        const bool measured = frame.label[p] != PixelLabel::nothing;
-        const float near = smallest_near(model_z, u, v, reach, frame.depth, is_object);
+        const std::size_t p = static_cast<std::size_t>(v0 + v) * frame_.depth.width + u0 + u;
+        const float measured_z = frame_.depth.z_mm[p];
+        const bool measured = frame_.label[p] != PixelLabel::nothing;
+        const float near = object_.smallest_difference(model_z, u0 + u, v0 + v);
         if (measured && std::abs(model_z - measured_z) < 4 * noise_mm) {
           // Measured, but taken for the table, as what lies low on it is: the likelier of the two.
           const float t_part = (model_z - measured_z) / noise_mm;
-          const float t_table = frame.before_table_mm.empty() ? 0 : frame.before_table_mm[p] / noise_mm;
+          const float t_table = frame_.before_table_mm.empty() ? 0 : frame_.before_table_mm[p] / noise_mm;
           const float gain = 0.5f * (std::min(t_table * t_table, 16.0f) - t_part * t_part);
           soft += 0.7f * agreement(0.5f * std::abs(model_z - measured_z));
           judged += 1;
@@ -175,8 +214,8 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
           ++out.free_space;
           judged += 1;
           log_likelihood += log_outlier;
-        } else if (!frame.before_table_mm.empty() && frame.label[p] == PixelLabel::background &&
-                   std::abs(frame.before_table_mm[p]) < 4 * noise_mm) {
+        } else if (!frame_.before_table_mm.empty() && frame_.label[p] == PixelLabel::background &&
+                   std::abs(frame_.before_table_mm[p]) < 4 * noise_mm) {
           ++out.below_table;
           judged += 1;
           log_likelihood += log_outlier;
@@ -186,9 +225,9 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
           log_likelihood += log_hidden;
         }
       } else if (object) {
-        const int distance = beside[p].distance;
+        const int distance = beside[static_cast<std::size_t>(v) * camera.width + u].distance;
         if (distance > 0) {
-          const float near = smallest_near(measured_z, u, v, distance, rendered, is_model);
+          const float near = part.smallest_difference(object_z, u, v);
           ++out.object_outline;
           soft += outline_weight * agreement(near);
           judged += outline_weight;
@@ -198,8 +237,11 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
           judged += 1;
           log_likelihood += log_outlier;
         }
-      } else if (const int distance = beside[p].distance;
-                 distance > 0 && measured_z > beside[p].z_mm + static_cast<float>(sensor.edge_mm)) {
+      } else if (const Beside& near = beside[static_cast<std::size_t>(v) * camera.width + u]; near.distance > 0) {
+        const float behind_mm =
+            frame_.depth.z_mm[static_cast<std::size_t>(v0 + v) * frame_.depth.width + u0 + u] - near.z_mm;
+        if (behind_mm < static_cast<float>(sensor.edge_mm)) continue;
+        const int distance = near.distance;
         out.missing_outline += distance <= sensor.growth_px;
         log_likelihood += outline.log_free(distance);
       }
@@ -211,6 +253,12 @@ DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d&
   out.log_likelihood = log_likelihood;
   out.best_log_likelihood = out.object * (log_match + log_density(0));
   return out;
+}
+
+DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
+                              const FrameWindow& frame, const SensorModel& sensor) {
+  const Eigen::AlignedBox2d all(Eigen::Vector2d::Zero(), Eigen::Vector2d(frame.depth.width, frame.depth.height));
+  return DepthComparer(frame, sensor)(mesh, camera_from_model, all);
 }
 
 }  // namespace partpose

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/depth_image.hpp"
 #include "partpose/core/mesh.hpp"
+#include "partpose/registration/row_products.hpp"
 #include "partpose/verification/render_compare.hpp"
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 namespace partpose {
@@ -55,6 +59,50 @@ struct DepthComparison {
   double score() const { return judged > 0 ? soft / judged : 0; }  ///< 1: the two explain each other wholly
 };
 
+/// Depths with a margin around them, infinite where there is none: so that neighbours are looked at without asking
+/// where the image ends.
+class PaddedDepth {
+ public:
+  PaddedDepth(int width, int height, int reach);
+
+  float* row(int v) { return &z_mm_[static_cast<std::size_t>(v + reach_) * row_length_ + reach_]; }
+  const float* row(int v) const { return &z_mm_[static_cast<std::size_t>(v + reach_) * row_length_ + reach_]; }
+  /// To the pixels within `reach` of one; infinite when none of them has a depth.
+  float smallest_difference(float z_mm, int u, int v) const;
+
+ private:
+  using Lanes = NumberLanes<float>;
+
+  int reach_, row_length_;
+  std::vector<float> z_mm_;
+  std::vector<Lanes> beyond_;  ///< of each lane of a row: infinite where it is out of reach, else 0
+};
+
+/// Compares parts at poses with one window of a frame, which must outlive it.
+class DepthComparer {
+ public:
+  DepthComparer(const FrameWindow& frame, const SensorModel& sensor);
+
+  /// `covered`: pixels of the window outside of which the part is not seen at this pose. `faces`: that are drawn.
+  DepthComparison operator()(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
+                             const Eigen::AlignedBox2d& covered, Faces faces = Faces::both) const;
+
+ private:
+  /// Log-density of a depth's difference against the hypothesis that a depth is anywhere within the part's size.
+  float log_density(float difference_mm) const {
+    return log_density_[static_cast<int>(std::min(difference_mm * steps_per_mm_, static_cast<float>(entries)))];
+  }
+  static constexpr int steps = 32, entries = 6 * steps;  // beyond six deviations it is an outlier
+
+  const FrameWindow& frame_;
+  SensorModel sensor_;
+  PaddedDepth object_;  ///< its depths alone
+  Eigen::AlignedBox2i object_box_;
+  float steps_per_mm_;
+  std::array<float, entries + 1> log_density_;
+};
+
+/// Once, in the whole of a window.
 DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
                               const FrameWindow& frame, const SensorModel& sensor);
 

@@ -7,6 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+
 namespace partpose {
 namespace {
 
@@ -54,6 +57,40 @@ TEST_F(Comparison, BeyondTheNoiseNothingIsExplained) {
   EXPECT_GT(at(0, 0.5).score(), 0.85);
   EXPECT_EQ(at(0, -2).explained, 0);
   EXPECT_LT(at(0, -2).score(), 0.01);
+}
+
+TEST_F(Comparison, PixelsThatThePartDoesNotCoverChangeNothing) {
+  const DepthComparer compare(frame, {.noise_mm = 0.5, .outline_px = 2});
+  Eigen::Isometry3d moved = pose;
+  moved.translation().x() += 8;
+  const DepthComparison whole =
+      compare(mesh, moved, Eigen::AlignedBox2d(Eigen::Vector2d(0, 0), Eigen::Vector2d(119, 99)));
+  const DepthComparison some =
+      compare(mesh, moved, Eigen::AlignedBox2d(Eigen::Vector2d(20, 20), Eigen::Vector2d(110, 80)));
+  EXPECT_EQ(some.model, whole.model);
+  EXPECT_EQ(some.model_outline, whole.model_outline);
+  EXPECT_EQ(some.free_space, whole.free_space);
+  EXPECT_EQ(some.log_likelihood, whole.log_likelihood);
+  EXPECT_EQ(some.score(), whole.score());
+}
+
+TEST(PaddedDepth, FindsTheNearestDepthWithinReach) {
+  Random random(1);
+  for (const int reach : {1, 2, 3, 5}) {
+    DepthImage plain(11, 9);
+    PaddedDepth padded(11, 9, reach);
+    for (int v = 0; v < 9; ++v)
+      for (int u = 0; u < 11; ++u)
+        if (random.below(4) == 0) plain.at(u, v) = padded.row(v)[u] = static_cast<float>(400 + random.below(100));
+    for (int v = 0; v < 9; ++v)
+      for (int u = 0; u < 11; ++u) {
+        float smallest = std::numeric_limits<float>::infinity();
+        for (int vv = std::max(v - reach, 0); vv <= std::min(v + reach, 8); ++vv)
+          for (int uu = std::max(u - reach, 0); uu <= std::min(u + reach, 10); ++uu)
+            if (plain.at(uu, vv) > 0) smallest = std::min(smallest, std::abs(450 - plain.at(uu, vv)));
+        EXPECT_EQ(padded.smallest_difference(450, u, v), smallest) << reach << ": " << u << ", " << v;
+      }
+  }
 }
 
 TEST_F(Comparison, HolesCostLessThanFreeSpace) {

@@ -47,4 +47,7 @@ SmallTemplate halved(const DepthTemplate& full);
 template <int side>
 int capped_difference(const CellDepths<side>& a, const CellDepths<side>& b, int cap);
 
+/// The same of one with each of several.
+void capped_differences(const SmallTemplate& a, std::span<const SmallTemplate> several, int cap, std::uint16_t* out);
+
 }  // namespace partpose

@@ -34,12 +34,11 @@ struct Target {
   std::vector<double> log_likelihoods;    ///< of the candidates, of the coarse comparison
   double best_score = 0;                  ///< probability_of_part of the best
   Detection detection;                    ///< of the best candidate
+  FrameWindow fine;                       ///< about the contenders
   std::vector<ProjectiveRefinement> fit;  ///< of the contenders, before they are put into order
 
   Target(const FramePieces& frame, const FrameObject& object)
-      : view(frame, object),
-        noise_mm(view.noise_mm),
-        local_noise_mm(std::max(partpose::local_noise_mm(frame, object), 0.05)) {
+      : view(frame, object), noise_mm(view.noise_mm), local_noise_mm(std::max(view.local_noise_mm, 0.05)) {
     for (const auto& p : view.points.points_mm) extent_mm += (p.cast<double>() - view.all.centre_mm()).squaredNorm();
     extent_mm = 3 * std::sqrt(extent_mm / std::max<double>(static_cast<double>(view.points.points_mm.size()), 1));
   }
@@ -85,24 +84,41 @@ int stride_for(const ObjectView& view, int wanted) {
   return std::max(1, static_cast<int>(std::lround(std::sqrt(view.object->pixels / double(wanted)))));
 }
 
-/// The pixels that the object and the part at its pose cover, about `wanted` of them the object's.
-FrameWindow about_part(const ObjectView& view, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
-                       int wanted) {
-  const Intrinsics& camera = view.frame->camera;
-  double u0 = view.object->u0, u1 = view.object->u1, v0 = view.object->v0, v1 = view.object->v1;
+/// Where a part at its pose is seen, in pixels.
+Eigen::AlignedBox2d covered(const Intrinsics& camera, const PartModel& model,
+                            const Eigen::Isometry3d& camera_from_model) {
+  Eigen::AlignedBox2d box;
   for (int k = 0; k < 8; ++k) {
     const Eigen::Vector3d corner =
         camera_from_model * model.box_mm.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k));
-    if (corner.z() < 1) continue;
-    const Eigen::Vector2d pixel = camera.project(corner);
-    u0 = std::min(u0, pixel.x()), u1 = std::max(u1, pixel.x());
-    v0 = std::min(v0, pixel.y()), v1 = std::max(v1, pixel.y());
+    if (corner.z() >= 1) box.extend(camera.project(corner));
   }
+  return box;
+}
+
+/// The same however the part is turned about its middle.
+Eigen::AlignedBox2d covered_at_any_turn(const Intrinsics& camera, const PartModel& model,
+                                        const Eigen::Isometry3d& camera_from_model) {
+  const Eigen::Vector3d middle = camera_from_model * model.middle_mm;
+  const double radius_mm = 0.5 * model.box_mm.diagonal().norm();
+  Eigen::AlignedBox2d box;
+  if (middle.z() - radius_mm < 1) return covered(camera, model, camera_from_model);
+  const Eigen::Vector2d reach = Eigen::Vector2d(camera.fx, camera.fy) * (radius_mm / (middle.z() - radius_mm));
+  const Eigen::Vector2d pixel = camera.project(middle);
+  return {pixel - reach, pixel + reach};
+}
+
+/// The object's and the other pixels, about `wanted` of them the object's.
+FrameWindow window_about(const ObjectView& view, Eigen::AlignedBox2d pixels, int wanted) {
+  const Intrinsics& camera = view.frame->camera;
+  pixels.extend(Eigen::Vector2d(view.object->u0, view.object->v0));
+  pixels.extend(Eigen::Vector2d(view.object->u1, view.object->v1));
   const int stride = stride_for(view, wanted);
   // Beyond the frame nothing is known; some pixels of that will do.
   const auto pixel = [&](double x, double most) { return static_cast<int>(std::clamp(x, -40.0, most + 40)); };
-  return window(*view.frame, *view.object, pixel(u0 - 2 * stride, camera.width), pixel(v0 - 2 * stride, camera.height),
-                pixel(u1 + 2 * stride, camera.width), pixel(v1 + 2 * stride, camera.height), stride);
+  return window(*view.frame, *view.object, pixel(pixels.min().x() - 2 * stride, camera.width),
+                pixel(pixels.min().y() - 2 * stride, camera.height), pixel(pixels.max().x() + 2 * stride, camera.width),
+                pixel(pixels.max().y() + 2 * stride, camera.height), stride);
 }
 
 constexpr int coarse_pixels = 800, fine_pixels = 2500;
@@ -397,11 +413,15 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     return refined.rms_mm;
   };
   parallel_for(hypotheses.size(), [&](std::size_t i) { settle(hypotheses[i]); });
+  Eigen::AlignedBox2d pixels;
+  for (const auto& h : hypotheses)
+    pixels.extend(covered_at_any_turn(target.view.frame->camera, *models[h.part], h.camera_from_model));
+  const FrameWindow frame = window_about(target.view, pixels, coarse_pixels);
+  const DepthComparer comparer(frame, sensor(target, stride_for(target.view, coarse_pixels)));
   const auto compare = [&](const Hypothesis& h) {
     const PartModel& model = *models[h.part];
-    return compare_depth(model.outline, h.camera_from_model,
-                         about_part(target.view, model, h.camera_from_model, coarse_pixels),
-                         sensor(target, stride_for(target.view, coarse_pixels)));
+    return comparer(model.outline, h.camera_from_model, covered(frame.camera, model, h.camera_from_model),
+                    model.outline.faces);
   };
   parallel_for(hypotheses.size(), [&](std::size_t i) { hypotheses[i].cost = -compare(hypotheses[i]).log_likelihood; });
   sort_by_cost(hypotheses);
@@ -453,13 +473,18 @@ double Engine::Impl::polish(Target& target) const {
   auto& candidates = target.candidates;
   const std::size_t contenders = contenders_of(target);
   target.fit.resize(contenders);
+  Eigen::AlignedBox2d pixels;
+  for (std::size_t i = 0; i < contenders; ++i)
+    pixels.extend(covered(target.view.frame->camera, *models[part_of(candidates[i])], candidates[i].camera_from_model));
+  target.fine = window_about(target.view, pixels, fine_pixels);
+  const DepthImage depth = object_depth(target.fine);
   parallel_for(contenders, [&](std::size_t i) {
     Candidate& candidate = candidates[i];
     const PartModel& model = *models[part_of(candidate)];
-    const LabelledDepth frame = about_part(target.view, model, candidate.camera_from_model, fine_pixels);
-    const auto refined =
-        refine_projectively(model.surface, candidate.camera_from_model, object_depth(frame), frame.camera,
-                            {.gate_mm = static_cast<float>(std::max(6 * target.noise_mm, 2.0)), .max_iterations = 3});
+    const auto refined = refine_projectively(model.surface, candidate.camera_from_model, depth, target.fine.camera,
+                                             {.gate_mm = static_cast<float>(std::max(6 * target.noise_mm, 2.0)),
+                                              .max_iterations = 3,
+                                              .faces = model.surface.faces});
     candidate.T4 = refined.camera_from_model * candidate.camera_from_model.inverse() * candidate.T4;
     candidate.camera_from_model = refined.camera_from_model;
     candidate.icp_converged = std::isfinite(refined.rms_mm);
@@ -475,12 +500,12 @@ void Engine::Impl::decide(Target& target) const {
   auto& candidates = target.candidates;
   const std::size_t contenders = contenders_of(target);
   std::vector<DepthComparison> comparison(contenders);
+  const DepthComparer compare(target.fine, sensor(target, stride_for(target.view, fine_pixels)));
   parallel_for(contenders, [&](std::size_t i) {
     const int part = part_of(candidates[i]);
     const PartModel& model = *models[part];
-    comparison[i] = compare_depth(model.surface, candidates[i].camera_from_model,
-                                  about_part(target.view, model, candidates[i].camera_from_model, fine_pixels),
-                                  sensor(target, stride_for(target.view, fine_pixels)));
+    const Eigen::Isometry3d& pose = candidates[i].camera_from_model;
+    comparison[i] = compare(model.surface, pose, covered(target.fine.camera, model, pose), model.surface.faces);
     candidates[i].score = static_cast<float>(probability_of_part(comparison[i]));
   });
   std::vector<std::pair<double, std::size_t>> order;
@@ -534,9 +559,8 @@ void Engine::Impl::describe(Target& target, const std::vector<std::pair<double, 
       as_good += share[k];
       continue;
     }
-    const Intrinsics camera = about_part(target.view, model, best.camera_from_model, fine_pixels).camera;
-    if (looks_the_same(model.surface, best.camera_from_model, models[part]->surface, other.camera_from_model, camera,
-                       sensor(target, stride)))
+    if (looks_the_same(model.surface, best.camera_from_model, models[part]->surface, other.camera_from_model,
+                       target.fine.camera, sensor(target, stride)))
       as_good += share[k];
     detection.alternatives.push_back({part, other.camera_from_model, share[k] * best.score});
   }

@@ -16,39 +16,6 @@ namespace {
 
 constexpr int lanes = Lanes::count;
 
-/// Sums over the points of the products of a row's seven entries: the six derivatives and the distance.
-class RowProducts {
- public:
-  static constexpr int entries = 7;
-
-  void add(const std::array<Lanes, entries>& row, const Lanes& weight) {
-    int k = 0;
-    for (int a = 0; a < entries; ++a) {
-      Lanes weighted;
-      for (int i = 0; i < lanes; ++i) weighted.value[i] = weight.value[i] * row[a].value[i];
-      for (int b = a; b < entries; ++b, ++k)
-        for (int i = 0; i < lanes; ++i) sums_[k].value[i] += weighted.value[i] * row[b].value[i];
-    }
-  }
-
-  Eigen::Matrix<float, entries, entries> total() const {
-    Eigen::Matrix<float, entries, entries> out;
-    int k = 0;
-    for (int a = 0; a < entries; ++a)
-      for (int b = a; b < entries; ++b, ++k) out(a, b) = out(b, a) = sum(sums_[k]);
-    return out;
-  }
-
-  static float sum(const Lanes& all) {
-    float out = 0;
-    for (const float value : all.value) out += value;
-    return out;
-  }
-
- private:
-  std::array<Lanes, entries*(entries + 1) / 2> sums_{};
-};
-
 }  // namespace
 
 ProbePoints::ProbePoints(std::span<const Eigen::Vector3f> points_mm) : size_(points_mm.size()) {
@@ -78,7 +45,7 @@ FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry
     const Eigen::Matrix3f turn = model_from_camera.linear().cast<float>();
     const Eigen::Vector3f centre = (model_from_camera * points.centre_mm()).cast<float>();
     const auto per_scale = static_cast<float>(1 / scale_mm);
-    RowProducts products;
+    RowProducts<float> products;
     Lanes capped{}, weights{}, extent{};
     for (const auto& group : points.groups()) {
       Lanes arm_x, arm_y, arm_z, x, y, z;
@@ -92,7 +59,7 @@ FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry
         z.value[i] = arm_z.value[i] + centre.z();
       }
       const auto sample = field.at(x, y, z);
-      std::array<Lanes, RowProducts::entries> row;
+      std::array<Lanes, RowProducts<float>::entries> row;
       Lanes weight;
       for (int i = 0; i < lanes; ++i) {
         const float distance = sample.distance_mm.value[i];
@@ -114,8 +81,8 @@ FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry
       }
       products.add(row, weight);
     }
-    out.mean_capped = RowProducts::sum(capped) / (options.end_scale_mm * static_cast<double>(points.size()));
-    const float weight_sum = RowProducts::sum(weights);
+    out.mean_capped = capped.sum() / (options.end_scale_mm * static_cast<double>(points.size()));
+    const float weight_sum = weights.sum();
     if (!(weight_sum > 0)) break;
     const auto total = products.total();
     out.rms_mm = std::sqrt(total(6, 6) / weight_sum);
@@ -123,10 +90,10 @@ FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry
 
     // What the surface leaves free hardly moves.
     Eigen::Matrix<float, 6, 6> hessian = total.topLeftCorner<6, 6>();
-    const float radius = std::sqrt(std::max(RowProducts::sum(extent) / weight_sum, 1e-6f));
+    const float radius = std::sqrt(std::max(extent.sum() / weight_sum, 1e-6f));
     hessian.diagonal().head<3>().array() += 1e-3f * weight_sum * radius * radius;
     hessian.diagonal().tail<3>().array() += 1e-3f * weight_sum;
-    const Eigen::Matrix<float, 6, 1> step = hessian.ldlt().solve(-total.col(6).head<6>());
+    const Eigen::Matrix<float, 6, 1> step = hessian.llt().solve(-total.col(6).head<6>());
     if (!step.allFinite()) break;
     // The step moves the points onto the surface; the part moves the other way.
     Eigen::Isometry3d points_motion = Eigen::Isometry3d::Identity();

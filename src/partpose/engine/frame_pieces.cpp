@@ -3,6 +3,7 @@
 #include "partpose/engine/frame_pieces.hpp"
 
 #include "partpose/core/random.hpp"
+#include "partpose/registration/row_products.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -69,11 +70,31 @@ class Grid {
   float limit_per_mm = 0;
 };
 
+using Lanes = NumberLanes<float>;
 using Cells = std::vector<int>;  ///< indices into a Grid, rising
 
 struct CutPlane {
   FlatSurface plane;
   float cut_mm = 0;  ///< what lies nearer to it belongs to it
+};
+
+/// Heights over a surface along one row of an image, all of whose rays have the same y.
+class RowHeights {
+ public:
+  RowHeights(const FlatSurface& surface, float ray_y)
+      : along_x_(surface.q.x()),
+        along_rest_(surface.q.y() * ray_y + surface.q.z()),
+        per_norm_(1 / surface.q.norm()),
+        bend_(surface.bend_along_x(ray_y)) {}
+  float operator()(float ray_x, float z_mm) const {
+    float bent = bend_.back();
+    for (int i = FlatSurface::degree - 1; i >= 0; --i) bent = bent * ray_x + bend_[i];
+    return (1 - z_mm * (along_x_ * ray_x + along_rest_)) * per_norm_ - bent;
+  }
+
+ private:
+  float along_x_, along_rest_, per_norm_;
+  std::array<float, FlatSurface::degree + 1> bend_;
 };
 
 /// The powers x^i y^j of a FlatSurface's bend.
@@ -91,10 +112,14 @@ std::array<float, FlatSurface::terms> powers(const Eigen::Vector3f& ray) {
 class Splitter {
  public:
   Splitter(const Grid& grid, const Intrinsics& camera, const FramePiecesOptions& options)
-      : grid_(grid), camera_(camera), options_(options) {
-    Cells measured;
-    for (int i = 0; i < static_cast<int>(grid.z_mm.size()); ++i)
-      if (grid.z_mm[i] > 0) measured.push_back(i);
+      : grid_(grid), camera_(camera), options_(options), slot_(grid.z_mm.size(), -1) {
+    Cells measured(grid.z_mm.size());
+    std::size_t count = 0;
+    for (int i = 0; i < static_cast<int>(grid.z_mm.size()); ++i) {
+      measured[count] = i;
+      count += grid.z_mm[i] > 0;
+    }
+    measured.resize(count);
     min_cells_ = std::max(8, options.min_pixels / (grid.stride * grid.stride));
     table = dominant_plane(measured);
     if (is_plausible(measured)) {
@@ -170,14 +195,21 @@ class Splitter {
     const Cells voters = every_nth(400);
     std::vector<float> z;
     for (const int cell : voters) z.push_back(grid_.z_mm[cell]);
-    std::nth_element(z.begin(), z.begin() + static_cast<std::ptrdiff_t>(z.size() / 2), z.end());
+    std::vector<float> by_z = z;
+    std::nth_element(by_z.begin(), by_z.begin() + static_cast<std::ptrdiff_t>(by_z.size() / 2), by_z.end());
     // Wide enough for the waves that a stereo camera sees on a flat table, about 1 % of the distance.
-    const float threshold = std::clamp(0.01f * z[z.size() / 2], 3.0f, 50.0f);
+    const float threshold = std::clamp(0.01f * by_z[by_z.size() / 2], 3.0f, 50.0f);
 
-    const auto votes_for = [&](const FlatSurface& plane, const Cells& of) {
+    std::vector<float> x, y;  // of the voters, as their z
+    for (const int cell : voters) {
+      x.push_back(grid_.z_mm[cell] * grid_.ray_x[cell % grid_.width]);
+      y.push_back(grid_.z_mm[cell] * grid_.ray_y[cell / grid_.width]);
+    }
+    const auto votes_for = [&](const FlatSurface& plane) {
       const float tolerance = threshold * plane.q.norm();
+      const float qx = plane.q.x(), qy = plane.q.y(), qz = plane.q.z();
       int votes = 0;
-      for (const int cell : of) votes += std::abs(1 - grid_.z_mm[cell] * plane.q.dot(grid_.ray(cell))) < tolerance;
+      for (std::size_t i = 0; i < x.size(); ++i) votes += std::abs(1 - (qx * x[i] + qy * y[i] + qz * z[i])) < tolerance;
       return votes;
     };
     Random random(1);
@@ -196,7 +228,7 @@ class Splitter {
       FlatSurface plane;
       plane.q = rays.inverse() * inverse;
       if (!plane.q.allFinite() || !(plane.q.norm() > 0)) continue;
-      const int votes = votes_for(plane, voters);
+      const int votes = votes_for(plane);
       if (votes <= most_votes) continue;
       most_votes = votes;
       best = plane;
@@ -240,40 +272,52 @@ class Splitter {
 
   /// Fits the bend to what lies on the plane, robustly: the slow waves of a camera, not the parts on the table.
   void bend(FlatSurface& plane, const Cells& cells, float threshold) const {
-    constexpr int terms = FlatSurface::terms;
-    using Terms = Eigen::Matrix<float, terms, 1>;
-    std::vector<Terms> rows;
-    std::vector<float> height;
+    constexpr int terms = FlatSurface::terms, lanes = Lanes::count;
+    using Products = RowProducts<float, terms + 1>;
+    using Row = std::array<Lanes, terms + 1>;  // eight cells' powers, and their heights
+    std::vector<Row> rows;
+    std::size_t count = 0;
     const float per_mm = 1 / plane.q.norm();
     for (const int cell : cells) {
       const Eigen::Vector3f ray = grid_.ray(cell);
       const float h = (1 - grid_.z_mm[cell] * plane.q.dot(ray)) * per_mm;
       if (std::abs(h) >= 1.5f * threshold) continue;
-      rows.emplace_back(powers(ray).data());
-      height.push_back(h);
-    }
-    if (rows.size() < 20 * terms) return;
-    float scale = threshold;
-    Terms solution = Terms::Zero();
-    for (int round = 0; round < 4; ++round) {
-      Eigen::Matrix<float, terms, terms> normal = Eigen::Matrix<float, terms, terms>::Zero();
-      Terms right = Terms::Zero();
-      float squared = 0, weights = 0;
-      for (std::size_t i = 0; i < rows.size(); ++i) {
-        const float share = (height[i] - rows[i].dot(solution)) / scale;
-        if (std::abs(share) >= 1) continue;
-        const float weight = (1 - share * share) * (1 - share * share);
-        normal.selfadjointView<Eigen::Lower>().rankUpdate(rows[i], weight);
-        right += weight * height[i] * rows[i];
-        squared += weight * share * share;
-        weights += weight;
+      const std::size_t lane = count++ % lanes;
+      if (lane == 0) {
+        rows.push_back(Row{});
+        std::fill_n(rows.back()[terms].value, lanes, FrameWindow::not_table_mm);
       }
-      if (!(weights > 10 * terms)) return;
-      if (round > 0) plane.rms_mm = scale * std::sqrt(squared / weights);
+      const auto x = powers(ray);
+      for (int k = 0; k < terms; ++k) rows.back()[k].value[lane] = x[k];
+      rows.back()[terms].value[lane] = h;
+    }
+    if (count < 20 * terms) return;
+    float scale = threshold;
+    Eigen::Matrix<float, terms, 1> solution = Eigen::Matrix<float, terms, 1>::Zero();
+    for (int round = 0; round < 4; ++round) {
+      Products products;
+      Lanes squared{}, weights{};
+      for (const Row& row : rows) {
+        Lanes bent{}, weight;
+        for (int k = 0; k < terms; ++k)
+          for (int i = 0; i < lanes; ++i) bent.value[i] += row[k].value[i] * solution[k];
+        for (int i = 0; i < lanes; ++i) {
+          const float share = (row[terms].value[i] - bent.value[i]) / scale;
+          const float inside = std::max(1 - share * share, 0.0f);
+          weight.value[i] = inside * inside;
+          squared.value[i] += weight.value[i] * share * share;
+          weights.value[i] += weight.value[i];
+        }
+        products.add(row, weight);
+      }
+      const float weight_sum = weights.sum();
+      if (!(weight_sum > 10 * terms)) return;
+      if (round > 0) plane.rms_mm = scale * std::sqrt(squared.sum() / weight_sum);
       // A little stiffness where nothing of the plane is seen.
-      normal.diagonal().array() += 1e-5f * weights;
-      const Eigen::Matrix<double, terms, terms> full = normal.cast<double>().selfadjointView<Eigen::Lower>();
-      solution = full.ldlt().solve(right.cast<double>()).cast<float>();
+      const Eigen::Matrix<double, terms + 1, terms + 1> total = products.total().template cast<double>();
+      Eigen::Matrix<double, terms, terms> normal = total.template topLeftCorner<terms, terms>();
+      normal.diagonal().array() += 1e-5 * weight_sum;
+      solution = normal.ldlt().solve(total.col(terms).template head<terms>()).template cast<float>();
       if (!solution.allFinite()) return;
       std::copy_n(solution.data(), terms, plane.bend_mm.begin());
       scale = std::clamp(4.7f * (round > 0 ? plane.rms_mm : 0.5f * threshold), 1.5f, threshold);
@@ -282,16 +326,22 @@ class Splitter {
     plane.rms_mm *= 1.15f;
   }
 
-  float height_mm(const CutPlane& cut, int cell) const {
-    return cut.plane.height_mm(grid_.ray(cell), grid_.z_mm[cell]);
+  std::vector<float> heights_mm(const CutPlane& cut, const Cells& cells) const {
+    std::vector<float> out(cells.size());
+    for (std::size_t i = 0; i < cells.size();) {
+      const int row = cells[i] / grid_.width, first = row * grid_.width;
+      const RowHeights height(cut.plane, grid_.ray_y[row]);
+      for (; i < cells.size() && cells[i] < first + grid_.width; ++i)
+        out[i] = height(grid_.ray_x[cells[i] - first], grid_.z_mm[cells[i]]);
+    }
+    return out;
   }
 
   /// Objects on a table lie on the camera's side of its plane; where the dominant plane is a part's own face, the rest
   /// of the part lies behind it.
   bool stands_on_table(const Cells& cells) const {
     int before = 0, behind = 0;
-    for (const int cell : cells) {
-      const float height = height_mm(*table, cell);
+    for (const float height : heights_mm(*table, cells)) {
       before += height > table->cut_mm;
       behind += height < -table->cut_mm;
     }
@@ -301,24 +351,22 @@ class Splitter {
   /// The plane is the table, the wall or the floor. What is left falls into pieces; those too large to be a part have a
   /// plane of their own taken away.
   void remove_plane_and_split(const Cells& cells, const CutPlane& plane, int level) {
-    Cells remaining, on_plane, high;
-    const Eigen::Vector3f q = plane.plane.q;
-    const float per_mm = 1 / q.norm();
-    std::array<float, FlatSurface::degree + 1> bend{};
-    for (int row = -1; const int cell : cells) {
-      if (cell / grid_.width != row) bend = plane.plane.bend_along_x(grid_.ray_y[row = cell / grid_.width]);
-      const float x = grid_.ray_x[cell % grid_.width];
-      float bent = bend.back();
-      for (int i = FlatSurface::degree - 1; i >= 0; --i) bent = bent * x + bend[i];
-      const float height = (1 - grid_.z_mm[cell] * (q.x() * x + q.y() * grid_.ray_y[row] + q.z())) * per_mm - bent;
-      (std::abs(height) > plane.cut_mm ? remaining : on_plane).push_back(cell);
-      if (level == 0 && std::abs(height) > stands_out_cuts * plane.cut_mm) high.push_back(cell);
+    const std::vector<float> height = heights_mm(plane, cells);
+    Cells remaining, high;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (!(std::abs(height[i]) > plane.cut_mm)) continue;
+      remaining.push_back(cells[i]);
+      if (level == 0 && std::abs(height[i]) > stands_out_cuts * plane.cut_mm) high.push_back(cells[i]);
     }
+    const std::size_t on_it = cells.size() - remaining.size();
     if (level == 0) keep_near(remaining, high);
     // Taken away wherever it shows, also through a part's holes.
     split(remaining, plane, level);
-    if (level == 0 && static_cast<double>(on_plane.size()) > 0.6 * static_cast<double>(cells.size())) return;
+    if (level == 0 && static_cast<double>(on_it) > 0.6 * static_cast<double>(cells.size())) return;
     // A lesser plane may hold a part's face by chance: once more, and only what is larger than a part is taken away.
+    Cells on_plane;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      if (!(std::abs(height[i]) > plane.cut_mm)) on_plane.push_back(cells[i]);
     const std::size_t without_patches = remaining.size();
     for (const auto& patch : connected(on_plane))
       if (!is_too_large(patch)) remaining.insert(remaining.end(), patch.begin(), patch.end());
@@ -330,14 +378,14 @@ class Splitter {
   /// Only cells beside others that clearly stand out: what is left of the table's noise is not what hangs on a part.
   void keep_near(Cells& cells, const Cells& high) const {
     constexpr int reach = 3;
-    std::vector<std::uint8_t> near(grid_.z_mm.size(), 0);
-    for (const int cell : high) {
-      const int u = cell % grid_.width, v = cell / grid_.width;
-      for (int vv = std::max(v - reach, 0); vv <= std::min(v + reach, grid_.height - 1); ++vv) {
-        const int from = std::max(u - reach, 0), to = std::min(u + reach, grid_.width - 1);
-        std::fill_n(near.begin() + static_cast<std::ptrdiff_t>(vv) * grid_.width + from, to - from + 1, 1);
-      }
-    }
+    const std::size_t size = grid_.z_mm.size(), width = grid_.width;
+    // Along the rows, then across them; some of a row's end counts as the next one's, which does no harm.
+    std::vector<std::uint8_t> is_high(size + 2 * reach, 0), along(size + 2 * reach * width, 0), near(size, 0);
+    for (const int cell : high) is_high[cell + reach] = 1;
+    for (std::size_t shift = 0; shift <= 2 * reach; ++shift)
+      for (std::size_t i = 0; i < size; ++i) along[i + reach * width] |= is_high[i + shift];
+    for (std::size_t shift = 0; shift <= 2 * reach; ++shift)
+      for (std::size_t i = 0; i < size; ++i) near[i] |= along[i + shift * width];
     std::erase_if(cells, [&](int cell) { return !near[cell]; });
   }
 
@@ -361,8 +409,7 @@ class Splitter {
 
   /// Not just a wave of the plane that was taken away beside it, and not what is seen beyond a table's edge.
   bool stands_out(const Cells& cells, const CutPlane& plane, int level) const {
-    std::vector<float> height;
-    for (const int cell : cells) height.push_back(height_mm(plane, cell));
+    std::vector<float> height = heights_mm(plane, cells);
     const auto middle = height.begin() + static_cast<std::ptrdiff_t>(height.size() / 2);
     std::nth_element(height.begin(), middle, height.end());
     if (level == 0 && *middle < 0 && !whole_frame) return false;
@@ -373,21 +420,23 @@ class Splitter {
   }
 
   /// Groups of neighbouring cells that are near in space; holes of one cell are bridged.
-  std::vector<Cells> connected(const Cells& cells) const {
-    std::vector<int> slot(grid_.z_mm.size(), -1);
-    for (std::size_t i = 0; i < cells.size(); ++i) slot[cells[i]] = static_cast<int>(i);
+  std::vector<Cells> connected(const Cells& cells) {
+    for (std::size_t i = 0; i < cells.size(); ++i) slot_[cells[i]] = static_cast<int>(i);
     UnionFind groups(cells.size());
+    int v = 0;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      const int u = cells[i] % grid_.width, v = cells[i] / grid_.width;
+      while (cells[i] >= (v + 1) * grid_.width) ++v;
+      const int u = cells[i] - v * grid_.width;
       const float z = grid_.z_mm[cells[i]];
       for (const auto& [du, dv] : {std::pair{1, 0}, {0, 1}, {1, 1}, {-1, 1}, {2, 0}, {0, 2}}) {
         if (u + du < 0 || u + du >= grid_.width || v + dv >= grid_.height) continue;
         const int other = cells[i] + dv * grid_.width + du, between = cells[i] + dv / 2 * grid_.width + du / 2;
-        if (slot[other] < 0 || (between != cells[i] && grid_.z_mm[between] > 0)) continue;
+        if (slot_[other] < 0 || (between != cells[i] && grid_.z_mm[between] > 0)) continue;
         const float limit = 2 + (grid_.jump_mm(z) - 2) * static_cast<float>(std::max(std::abs(du), std::abs(dv)));
-        if (std::abs(grid_.z_mm[other] - z) <= limit) groups.join(static_cast<int>(i), slot[other]);
+        if (std::abs(grid_.z_mm[other] - z) <= limit) groups.join(static_cast<int>(i), slot_[other]);
       }
     }
+    for (const int cell : cells) slot_[cell] = -1;
     std::vector<int> group_of(cells.size(), -1);
     std::vector<Cells> out;
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -405,6 +454,7 @@ class Splitter {
   const Intrinsics& camera_;
   const FramePiecesOptions& options_;
   int min_cells_ = 8;
+  std::vector<int> slot_;  ///< for connected(): of each cell its index among those in question, else -1
 };
 
 /// Labels the pixels by the cells: as the cell beside a pixel, where their depths are near and the pixel is off the
@@ -435,32 +485,31 @@ class PixelLabels {
     object.u0 = depth.width, object.v0 = depth.height;
     const auto fx = static_cast<float>(1 / frame_.camera.fx), fy = static_cast<float>(1 / frame_.camera.fy);
     const auto cx = static_cast<float>(frame_.camera.cx), cy = static_cast<float>(frame_.camera.cy);
+    const int first_u = std::max(0, (cu0 - 1) * s + 1), end_u = std::min(depth.width, (cu1 + 1) * s);
     for (int v = std::max(0, (cv0 - 1) * s + 1); v < std::min(depth.height, (cv1 + 1) * s); ++v) {
-      for (int u = std::max(0, (cu0 - 1) * s + 1); u < std::min(depth.width, (cu1 + 1) * s); ++u) {
-        const std::size_t p = static_cast<std::size_t>(v) * depth.width + u;
-        const float z = depth.z_mm[p];
-        if (!(z > 0) || frame_.label[p] != FramePieces::background || !is_near(u, v, z, label)) continue;
-        const Eigen::Vector3f ray((static_cast<float>(u) - cx) * fx, (static_cast<float>(v) - cy) * fy, 1);
-        if (std::abs(piece.plane.plane.height_mm(ray, z)) <= piece.plane.cut_mm) continue;
-        frame_.label[p] = label;
-        ++object.pixels;
-        object.u0 = std::min(object.u0, u), object.u1 = std::max(object.u1, u);
-        object.v0 = std::min(object.v0, v), object.v1 = std::max(object.v1, v);
+      const RowHeights height(piece.plane.plane, (static_cast<float>(v) - cy) * fy);
+      const std::size_t row = static_cast<std::size_t>(v) * depth.width;
+      // The cells before and behind a pixel, above and below it; the same one twice where the pixel is a cell.
+      const std::size_t above = static_cast<std::size_t>(v / s) * grid_.width;
+      const std::size_t below = v % s != 0 && v / s + 1 < grid_.height ? above + grid_.width : above;
+      for (int u = first_u, cu = first_u / s, off = first_u % s; u < end_u; ++u) {
+        const int beside = off != 0 && cu + 1 < grid_.width ? cu + 1 : cu;
+        const float z = depth.z_mm[row + u];
+        const auto is_near = [&](std::size_t cell) {
+          return cell_label_[cell] == label && std::abs(grid_.z_mm[cell] - z) <= grid_.jump_mm(z);
+        };
+        if (z > 0 && frame_.label[row + u] == FramePieces::background &&
+            (is_near(above + cu) || is_near(above + beside) || is_near(below + cu) || is_near(below + beside)) &&
+            std::abs(height((static_cast<float>(u) - cx) * fx, z)) > piece.plane.cut_mm) {
+          frame_.label[row + u] = label;
+          ++object.pixels;
+          object.u0 = std::min(object.u0, u), object.u1 = std::max(object.u1, u);
+          object.v0 = std::min(object.v0, v), object.v1 = std::max(object.v1, v);
+        }
+        if (++off == s) off = 0, ++cu;
       }
     }
     if (object.pixels > 0) frame_.objects.push_back(object);
-  }
-
-  bool is_near(int u, int v, float z, std::uint8_t label) const {
-    const int s = grid_.stride;
-    const int cu = u / s, cv = v / s;
-    for (int dv = 0; dv <= (v % s != 0); ++dv)
-      for (int du = 0; du <= (u % s != 0); ++du) {
-        if (cu + du >= grid_.width || cv + dv >= grid_.height) continue;
-        const std::size_t cell = static_cast<std::size_t>(cv + dv) * grid_.width + cu + du;
-        if (cell_label_[cell] == label && std::abs(grid_.z_mm[cell] - z) <= grid_.jump_mm(z)) return true;
-      }
-    return false;
   }
 
   FramePieces& frame_;
@@ -545,10 +594,7 @@ std::array<float, FlatSurface::degree + 1> FlatSurface::bend_along_x(float ray_y
 }
 
 float FlatSurface::height_mm(const Eigen::Vector3f& ray, float z_mm) const {
-  const auto bend = bend_along_x(ray.y());
-  float bent = bend.back();
-  for (int i = degree - 1; i >= 0; --i) bent = bent * ray.x() + bend[i];
-  return (1 - z_mm * q.dot(ray)) / q.norm() - bent;
+  return RowHeights(*this, ray.y())(ray.x(), z_mm);
 }
 
 FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options) {
@@ -556,8 +602,8 @@ FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const
   frame.depth = &depth;
   frame.camera = camera;
   frame.label.resize(depth.z_mm.size());
-  for (std::size_t p = 0; p < depth.z_mm.size(); ++p)
-    frame.label[p] = depth.z_mm[p] > 0 ? FramePieces::background : FramePieces::not_measured;
+  std::transform(depth.z_mm.begin(), depth.z_mm.end(), frame.label.begin(),
+                 [](float z) { return z > 0 ? FramePieces::background : FramePieces::not_measured; });
   if (depth.z_mm.empty()) return frame;
 
   const Grid grid(depth, camera);

@@ -5,6 +5,7 @@
 #include "partpose/core/parallel.hpp"
 #include "partpose/core/pose.hpp"
 #include "partpose/descriptor/crh.hpp"
+#include "partpose/engine/template_scan.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,13 +13,10 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <tuple>
 
 namespace partpose {
 
 namespace {
-
-constexpr int rolls = 24;
 
 std::vector<Eigen::Vector3f> spread(const std::vector<Eigen::Vector3f>& points, int count) {
   if (static_cast<int>(points.size()) <= count) return points;
@@ -26,15 +24,6 @@ std::vector<Eigen::Vector3f> spread(const std::vector<Eigen::Vector3f>& points, 
   for (int i = 0; i < count; ++i) out.push_back(points[(2 * i + 1) * points.size() / (2 * count)]);
   return out;
 }
-
-/// The object's templates at each turn, for parts of one size, about one place.
-struct TurnedTemplates {
-  Eigen::Vector3d centre_mm;  ///< camera frame
-  std::vector<DepthTemplate> full;
-  std::vector<SmallTemplate> small;
-  float known = 1;       ///< share of the cells that are not unknown, at the first turn
-  float beyond_mm2 = 0;  ///< of the object's surface that is too far away for a part of this size
-};
 
 /// Where something nearer hides a part of the object, if anything does: the middle of the outline there, camera frame.
 std::optional<Eigen::Vector3d> hidden_side(const ObjectView& view) {
@@ -149,28 +138,6 @@ std::vector<TurnedTemplates> all_turned_templates(const ObjectView& view, const 
   return out;
 }
 
-/// A view of a part at a turn.
-struct Look {
-  float cost;  ///< mm2 of surface that differs
-  std::int32_t part;
-  std::int16_t view;
-  std::int8_t roll, place;
-
-  bool operator<(const Look& other) const {
-    return std::tuple(cost, part, view, roll, place) <
-           std::tuple(other.cost, other.part, other.view, other.roll, other.place);
-  }
-};
-
-void keep_lowest(std::vector<Look>& looks, std::size_t count) {
-  if (looks.size() <= count) return;
-  std::nth_element(looks.begin(), looks.begin() + static_cast<std::ptrdiff_t>(count), looks.end());
-  looks.resize(count);
-}
-
-/// In mm2 of surface that differs by the cap or more, so that parts of different size compare.
-float cost_of_step(const TemplateScale& scale) { return static_cast<float>(scale.cell_mm * scale.cell_mm / scale.cap); }
-
 /// How badly what a view shows falls into the frame, 0 to 1 for each point.
 double reverse_cost(const Hypothesis& hypothesis, const PartModel& model, const ObjectView& view, double tolerance_mm) {
   const DepthImage& depth = *view.frame->depth;
@@ -205,11 +172,12 @@ double reverse_cost(const Hypothesis& hypothesis, const PartModel& model, const 
 
 /// The most of what is known of it: what neighbouring pixels show, what the table shows (slow waves are in it; by the
 /// square law of triangulation it grows with the distance), and what no stereo camera falls below.
-double expected_noise_mm(const FramePieces& frame, const FrameObject& object, const Eigen::Vector3d& centre_mm) {
+double expected_noise_mm(const FramePieces& frame, const FrameObject& object, const Eigen::Vector3d& centre_mm,
+                         double local_noise_mm) {
   constexpr double disparity_px = 0.1, baseline_mm = 55, near_mm = 0.4;
   const double z_mm = centre_mm.z();
-  double noise_mm = std::max(local_noise_mm(frame, object),
-                             std::hypot(near_mm, z_mm * z_mm * disparity_px / (frame.camera.fx * baseline_mm)));
+  double noise_mm =
+      std::max(local_noise_mm, std::hypot(near_mm, z_mm * z_mm * disparity_px / (frame.camera.fx * baseline_mm)));
   if (frame.table && !object.whole_frame) {
     const Eigen::Vector3d ray = centre_mm / z_mm, q = frame.table->q.cast<double>();
     const double inverse_table_z = q.dot(ray);
@@ -229,7 +197,8 @@ ObjectView::ObjectView(const FramePieces& pieces, const FrameObject& frame_objec
       few(spread(points.points_mm, 64)),
       many(spread(points.points_mm, 192)),
       all(spread(points.points_mm, 512)),
-      noise_mm(expected_noise_mm(pieces, frame_object, all.centre_mm())) {}
+      local_noise_mm(partpose::local_noise_mm(pieces, frame_object)),
+      noise_mm(expected_noise_mm(pieces, frame_object, all.centre_mm(), local_noise_mm)) {}
 
 bool is_partly_hidden(const ObjectView& view) { return hidden_side(view).has_value(); }
 
@@ -240,39 +209,17 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
   int wider = hidden ? 5 : 1;
   // Among many parts the right one has more before it.
   wider *= std::clamp(static_cast<int>(std::sqrt(static_cast<double>(models.size()) / 20)), 1, 8);
-  std::map<double, std::vector<TurnedTemplates>> turned;  // by the cells' size
-  for (const PartModel* model : models) {
-    auto& templates = turned[model->scale.cell_mm];
-    if (templates.empty()) templates = all_turned_templates(view, model->scale, hidden);
-  }
+  TurnedByScale turned;
+  std::vector<std::pair<const TemplateScale*, std::vector<TurnedTemplates>*>> scales;
+  for (const PartModel* model : models)
+    if (const auto [found, is_new] = turned.try_emplace(model->scale.cell_mm); is_new)
+      scales.emplace_back(&model->scale, &found->second);
+  parallel_for(scales.size(),
+               [&](std::size_t i) { *scales[i].second = all_turned_templates(view, *scales[i].first, hidden); });
 
-  // All small templates, some parts side by side; each keeps its best.
-  std::vector<std::vector<Look>> of_part(models.size());
   constexpr std::size_t kept_small_per_part = 200;
-  parallel_for(
-      models.size(),
-      [&](std::size_t part) {
-        const PartModel& model = *models[part];
-        const auto& places = turned.at(model.scale.cell_mm);
-        std::vector<Look>& looks = of_part[part];
-        looks.reserve(places.size() * model.views.size() * rolls);
-        for (std::size_t place = 0; place < places.size(); ++place) {
-          const float per_step = 4 * cost_of_step(model.scale) / places[place].known;  // a cell covers four
-          for (std::size_t v = 0; v < model.views.size(); ++v)
-            for (int k = 0; k < rolls; ++k)
-              looks.push_back({places[place].beyond_mm2 +
-                                   per_step * static_cast<float>(capped_difference(
-                                                  model.small_templates[v], places[place].small[k], model.scale.cap)),
-                               static_cast<std::int32_t>(part), static_cast<std::int16_t>(v),
-                               static_cast<std::int8_t>(k), static_cast<std::int8_t>(place)});
-        }
-        keep_lowest(looks, kept_small_per_part * wider);
-      },
-      4);
-  std::vector<Look> looks;
-  for (const auto& some : of_part) looks.insert(looks.end(), some.begin(), some.end());
-  keep_lowest(looks, static_cast<std::size_t>(std::max(options.small_kept, 0)) * wider);
-
+  std::vector<Look> looks = best_looks(models, turned, kept_small_per_part * wider,
+                                       static_cast<std::size_t>(std::max(options.small_kept, 0)) * wider);
   for (Look& look : looks) {
     const PartModel& model = *models[look.part];
     const TurnedTemplates& templates = turned.at(model.scale.cell_mm)[look.place];

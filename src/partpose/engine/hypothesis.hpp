@@ -30,6 +30,7 @@ struct ObjectView {
   const FrameObject* object;
   ObjectPoints points;
   ProbePoints few, many, all;  ///< of the points: for a first, a second and the last look
+  double local_noise_mm;       ///< as neighbouring pixels show it
   double noise_mm;             ///< standard deviation of the depths to be expected about a surface that is right
 };
 

@@ -63,6 +63,25 @@ TriangleMesh simplified(const TriangleMesh& mesh, double error_mm) {
   return out;
 }
 
+/// Where a mesh is not closed, or turned inside out somewhere, its front faces alone show something else: seen so from
+/// around it.
+Faces faces_needed(const TriangleMesh& mesh, const Eigen::Vector3d& middle_mm, double diameter_mm) {
+  constexpr double most_differing = 0.001;
+  const Intrinsics camera = view_camera();
+  int seen = 0, differing = 0;
+  for (const auto& direction : icosphere_directions(0, true)) {
+    const Eigen::Isometry3d camera_from_model =
+        look_at(middle_mm + distance_share * diameter_mm * direction, middle_mm).inverse();
+    const DepthImage both = render_depth(mesh, camera_from_model, camera);
+    const DepthImage front = render_depth(mesh, camera_from_model, camera, Faces::front);
+    for (std::size_t p = 0; p < both.z_mm.size(); ++p) {
+      seen += both.z_mm[p] > 0;
+      differing += std::abs(both.z_mm[p] - front.z_mm[p]) > most_differing * diameter_mm;
+    }
+  }
+  return differing <= most_differing * seen ? Faces::front : Faces::both;
+}
+
 /// Evenly by area.
 std::vector<Eigen::Vector3f> surface_points(const TriangleMesh& mesh, int count) {
   std::vector<double> area_to;  // of the triangles up to each
@@ -167,14 +186,18 @@ PartModel::PartModel(const TriangleMesh& mesh)
       box_mm(bounding_box(mesh)),
       scale(template_scale(diameter_mm)),
       field(mesh) {
-  outline = simplified(mesh, outline_share * diameter_mm);
-  surface = simplified(mesh, surface_share * diameter_mm);
+  const auto simpler = [&](double share) {
+    const TriangleMesh fewer = simplified(mesh, share * diameter_mm);
+    return PartMesh{fewer, faces_needed(fewer, middle_mm, diameter_mm)};
+  };
+  outline = simpler(outline_share);
+  surface = simpler(surface_share);
   samples_mm = surface_points(mesh, surface_samples);
   const Intrinsics camera = view_camera();
   for (const auto& direction : icosphere_directions(subdivisions, true)) {
     const Eigen::Isometry3d camera_from_model =
         look_at(middle_mm + distance_share * diameter_mm * direction, middle_mm).inverse();
-    const PointCloud seen = to_point_cloud(render(surface, camera_from_model, camera).depth, camera);
+    const PointCloud seen = to_point_cloud(render_depth(surface, camera_from_model, camera), camera);
     if (seen.empty()) continue;
     const Eigen::Vector3d centre = centroid(seen);
     Eigen::Isometry3d sight_from_camera = Eigen::Isometry3d::Identity();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/mesh.hpp"
 #include "partpose/engine/depth_template.hpp"
 #include "partpose/engine/surface_field.hpp"
@@ -22,6 +23,10 @@ struct PartView {
   std::array<Eigen::Vector3f, visible_points> visible_mm;  ///< spread over what is visible, model frame
 };
 
+struct PartMesh : TriangleMesh {
+  Faces faces = Faces::both;  ///< front: they show the same, seen from around the part
+};
+
 /// All that the engine knows of a part, made from its mesh alone.
 struct PartModel {
   explicit PartModel(const TriangleMesh& mesh);
@@ -29,8 +34,8 @@ struct PartModel {
   double diameter_mm = 0;
   Eigen::Vector3d middle_mm = Eigen::Vector3d::Zero();  ///< of the bounding box
   Eigen::AlignedBox3d box_mm;
-  TriangleMesh outline;  ///< for a first look: few triangles, as near to the surface as `outline_share` of the diameter
-  TriangleMesh surface;  ///< for the last: as near as `surface_share`
+  PartMesh outline;  ///< for a first look: few triangles, as near to the surface as `outline_share` of the diameter
+  PartMesh surface;  ///< for the last: as near as `surface_share`
   TemplateScale scale;
   std::vector<PartView> views;
   std::vector<DepthTemplate> templates;        ///< of each view

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "partpose/core/mesh.hpp"
+#include "partpose/registration/row_products.hpp"
 
 #include <Eigen/Core>
 
@@ -11,11 +12,7 @@
 
 namespace partpose {
 
-/// Eight numbers that are computed side by side.
-struct Lanes {
-  static constexpr int count = 8;
-  alignas(32) float value[count];
-};
+using Lanes = NumberLanes<float>;
 
 /// The signed distance to a part's surface in and around it, tabulated: negative inside where the mesh is closed and
 /// wound outwards. Between the nodes of the grid it is interpolated in all three directions, so that distances near a

@@ -47,7 +47,7 @@ std::vector<double> shares(std::span<const double> log_likelihoods, int stride) 
 bool looks_the_same(const TriangleMesh& a, const Eigen::Isometry3d& camera_from_a, const TriangleMesh& b,
                     const Eigen::Isometry3d& camera_from_b, const Intrinsics& camera, const SensorModel& sensor) {
   constexpr double most_differing = 0.01;
-  const DepthImage of_a = render(a, camera_from_a, camera).depth, of_b = render(b, camera_from_b, camera).depth;
+  const DepthImage of_a = render_depth(a, camera_from_a, camera), of_b = render_depth(b, camera_from_b, camera);
   const auto limit_mm = static_cast<float>(3 * sensor.noise_mm);
   const auto found_near = [&](float z_mm, int u, int v, const DepthImage& other) {
     for (int vv = std::max(v - sensor.outline_px, 0); vv <= std::min(v + sensor.outline_px, other.height - 1); ++vv)

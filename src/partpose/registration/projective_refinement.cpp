@@ -2,47 +2,107 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/registration/projective_refinement.hpp"
 
-#include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/pose.hpp"
+#include "partpose/registration/row_products.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 namespace partpose {
 
 namespace {
 
-struct PixelPair {
-  Eigen::Vector3d model;
-  Eigen::Vector3d normal;
-  double residual = 0;  ///< how far the model point lies before the measured point, along the normal
+using Lanes = NumberLanes<double>;
+
+/// Model points and the measured points of the same pixels, camera frame.
+struct PixelPairs {
+  struct Group {
+    Lanes x_mm, y_mm, z_mm;                    ///< of the model
+    Lanes normal_x, normal_y, normal_z;        ///< there
+    Lanes residual_mm = {1e9, 1e9, 1e9, 1e9};  ///< how far it lies before the measured point, along the normal
+  };
+  std::vector<Group> groups;
+  std::vector<double> absolute_residuals_mm;
+  Eigen::Vector3d sum_mm = Eigen::Vector3d::Zero();  ///< of the model points
+
+  void add(const Eigen::Vector3d& model_mm, const Eigen::Vector3d& normal, double residual_mm) {
+    const std::size_t i = absolute_residuals_mm.size() % Lanes::count;
+    if (i == 0) groups.emplace_back();
+    Group& group = groups.back();
+    group.x_mm.value[i] = model_mm.x(), group.y_mm.value[i] = model_mm.y(), group.z_mm.value[i] = model_mm.z();
+    group.normal_x.value[i] = normal.x(), group.normal_y.value[i] = normal.y(), group.normal_z.value[i] = normal.z();
+    group.residual_mm.value[i] = residual_mm;
+    absolute_residuals_mm.push_back(std::abs(residual_mm));
+    sum_mm += model_mm;
+  }
+  std::size_t size() const { return absolute_residuals_mm.size(); }
 };
 
-std::vector<PixelPair> pair_pixels(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
-                                   const DepthImage& depth, const Intrinsics& camera, float gate_mm) {
-  const Rendering rendering = render(mesh, camera_from_model, camera);
-  std::vector<PixelPair> pairs;
+PixelPairs pair_pixels(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model, const DepthImage& depth,
+                       const Intrinsics& camera, const ProjectiveRefinementOptions& options) {
+  const Rendering rendering = render(mesh, camera_from_model, camera, options.faces);
+  PixelPairs pairs;
+  int seen = -1;
+  Eigen::Vector3d normal;  // of the triangle seen
   for (int v = 0; v < depth.height; ++v) {
+    const std::size_t row = static_cast<std::size_t>(v) * depth.width;
     for (int u = 0; u < depth.width; ++u) {
-      const float model_z = rendering.depth.at(u, v), measured_z = depth.at(u, v);
-      if (!(model_z > 0) || !(measured_z > 0) || std::abs(model_z - measured_z) > gate_mm) continue;
-      const int triangle = rendering.triangle[static_cast<std::size_t>(v) * depth.width + u];
-      PixelPair pair;
-      pair.normal = camera_from_model.linear() * mesh.face_normal(triangle).cast<double>();
-      pair.model = camera.unproject(u, v, model_z).cast<double>();
-      pair.residual = pair.normal.dot(pair.model - camera.unproject(u, v, measured_z).cast<double>());
-      pairs.push_back(pair);
+      const float model_z = rendering.depth.z_mm[row + u], measured_z = depth.z_mm[row + u];
+      if (!(model_z > 0) || !(measured_z > 0) || std::abs(model_z - measured_z) > options.gate_mm) continue;
+      if (rendering.triangle[row + u] != seen) {
+        seen = rendering.triangle[row + u];
+        normal = camera_from_model.linear() * mesh.face_normal(seen).cast<double>();
+      }
+      const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
+      pairs.add(model_z * ray, normal, (double{model_z} - measured_z) * normal.dot(ray));
     }
   }
   return pairs;
 }
 
-double median_of_absolute_residuals(const std::vector<PixelPair>& pairs) {
-  std::vector<double> absolute;
-  for (const auto& pair : pairs) absolute.push_back(std::abs(pair.residual));
-  const auto middle = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
-  std::nth_element(absolute.begin(), middle, absolute.end());
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+NormalEquations normal_equations(const PixelPairs& pairs, const Eigen::Vector3d& centre_mm, double limit_mm,
+                                 double& squared) {
+  RowProducts<double> products;
+  Lanes weights{}, extent{};
+  const double per_limit = 1 / limit_mm;
+  for (const auto& group : pairs.groups) {
+    std::array<Lanes, RowProducts<double>::entries> row;
+    Lanes weight;
+    for (int i = 0; i < Lanes::count; ++i) {
+      const double residual = group.residual_mm.value[i];
+      const double share = residual * per_limit, inside = std::max(1 - share * share, 0.0);
+      weight.value[i] = inside * inside;
+      const double x = group.x_mm.value[i] - centre_mm.x(), y = group.y_mm.value[i] - centre_mm.y();
+      const double z = group.z_mm.value[i] - centre_mm.z();
+      const double nx = group.normal_x.value[i], ny = group.normal_y.value[i], nz = group.normal_z.value[i];
+      row[0].value[i] = y * nz - z * ny;
+      row[1].value[i] = z * nx - x * nz;
+      row[2].value[i] = x * ny - y * nx;
+      row[3].value[i] = nx;
+      row[4].value[i] = ny;
+      row[5].value[i] = nz;
+      row[6].value[i] = residual;
+      weights.value[i] += weight.value[i];
+      extent.value[i] += weight.value[i] * (x * x + y * y + z * z);
+    }
+    products.add(row, weight);
+  }
+  const auto total = products.total();
+  NormalEquations out;
+  out.hessian = total.topLeftCorner<6, 6>();
+  out.gradient = total.col(6).head<6>();
+  out.squared_extent_mm2 = extent.sum();
+  out.weight = weights.sum();
+  squared = total(6, 6);
+  return out;
 }
 
 }  // namespace
@@ -53,25 +113,14 @@ ProjectiveRefinement refine_projectively(const TriangleMesh& mesh, const Eigen::
   ProjectiveRefinement out;
   out.camera_from_model = camera_from_model;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    const auto pairs = pair_pixels(mesh, out.camera_from_model, depth, camera, options.gate_mm);
+    PixelPairs pairs = pair_pixels(mesh, out.camera_from_model, depth, camera, options);
     out.pixels = static_cast<int>(pairs.size());
     if (pairs.size() < 20) break;
-    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    for (const auto& pair : pairs) centre += pair.model;
-    centre /= static_cast<double>(pairs.size());
-
+    const Eigen::Vector3d centre = pairs.sum_mm / static_cast<double>(pairs.size());
     // 1.4826 times the median is the standard deviation of normal noise; 4.685 deviations are Tukey's limit.
-    const double limit = 4.685 * std::max(1.4826 * median_of_absolute_residuals(pairs), 0.05);
-    NormalEquations equations;
+    const double limit = 4.685 * std::max(1.4826 * median(pairs.absolute_residuals_mm), 0.05);
     double squared = 0;
-    for (const auto& pair : pairs) {
-      const double share = pair.residual / limit;
-      if (std::abs(share) >= 1) continue;
-      const double weight = (1 - share * share) * (1 - share * share);
-      const Eigen::Vector3d arm = pair.model - centre;
-      equations.add(arm, pair.normal, pair.residual, weight, arm.squaredNorm());
-      squared += weight * pair.residual * pair.residual;
-    }
+    const NormalEquations equations = normal_equations(pairs, centre, limit, squared);
     if (!(equations.weight > 0)) break;
     out.rms_mm = std::sqrt(squared / equations.weight);
     out.hessian = equations.hessian;

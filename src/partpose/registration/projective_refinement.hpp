@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/depth_image.hpp"
 #include "partpose/core/mesh.hpp"
 #include "partpose/registration/normal_equations.hpp"
@@ -16,6 +17,7 @@ struct ProjectiveRefinementOptions {
   float gate_mm = 10;  ///< pixels whose depths differ by more do not count
   int max_iterations = 10;
   float converged_mm = 0.02f;  ///< an iteration that moves the part's surface by less is the last
+  Faces faces = Faces::both;   ///< that are drawn
 };
 
 struct ProjectiveRefinement {

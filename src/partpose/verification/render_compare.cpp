@@ -33,7 +33,7 @@ double RenderComparison::score() const {
 
 RenderComparison render_and_compare(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
                                     const LabelledDepth& frame, const RenderCompareOptions& options) {
-  const DepthImage rendered = render(mesh, camera_from_model, frame.camera).depth;
+  const DepthImage rendered = render_depth(mesh, camera_from_model, frame.camera);
   const auto is_object = [&](std::size_t p) { return frame.label[p] == PixelLabel::object; };
   const auto is_model = [&](std::size_t p) { return rendered.z_mm[p] > 0; };
   RenderComparison out;
