@@ -17,7 +17,7 @@ struct SensorModel {
   double noise_mm = 1;    ///< standard deviation of a depth
   double outlier = 0.05;  ///< share of pixels that say nothing about the surface
   double hole = 0.15;     ///< share of the part's pixels without a depth
-  double hidden = 0.3;    ///< share of the part's pixels where something else is before it
+  double hidden = 0.7;    ///< share of the part's pixels where something else is before it
   int outline_px = 1;     ///< so far an object's outline may be off, in pixels of the comparison
   double size_mm = 100;   ///< the depths in question: where nothing is known, a depth is anywhere in it
 };

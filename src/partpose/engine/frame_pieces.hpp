@@ -27,6 +27,7 @@ struct FramePiecesOptions {
 struct FrameObject {
   std::bitset<256> labels;               ///< of the pixels that belong to it
   bool whole_frame = false;              ///< everything measured, as if there were no table
+  bool larger_than_a_part = false;       ///< parts that touch, or none
   int u0 = 0, v0 = 0, u1 = -1, v1 = -1;  ///< the box of its pixels, both ends included
   int pixels = 0;
 };
@@ -55,6 +56,9 @@ struct FramePieces {
   std::vector<std::uint8_t> label;
   std::vector<FrameObject> objects;  ///< largest first
   std::optional<FlatSurface> table;  ///< the dominant plane, where there is one
+  /// Of each pixel that is not measured since something nearer beside it hides it from one of a stereo camera's
+  /// imagers: the pixel of that; -1 elsewhere. Empty: not looked for (find_shadows).
+  std::vector<std::int32_t> shadow_of;
 
   static constexpr std::uint8_t not_measured = 0, background = 1, first_piece = 2;
 };
@@ -65,6 +69,10 @@ struct FramePieces {
 /// together as well, two of them or all: a part may hide its own middle. Works on every second pixel (or n-th: about
 /// 80,000) and tells the others by them.
 FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options);
+
+/// Fills `shadow_of`. What hides a pixel from one imager may hide it from the other as well: there a part may be
+/// hidden.
+void find_shadows(FramePieces& frame);
 
 /// Every `stride`-th pixel of the box [u0, u1] x [v0, v1], which may reach beyond the frame: nothing is known there.
 FrameWindow window(const FramePieces& frame, const FrameObject& object, int u0, int v0, int u1, int v1, int stride);
