@@ -21,7 +21,7 @@ struct SensorModel {
   double noise_mm = 1;    ///< standard deviation of a depth
   double outlier = 0.05;  ///< share of pixels that say nothing about the surface
   double hole = 0.15;     ///< share of the part's pixels without a depth
-  double hidden = 0.3;    ///< share of the part's pixels where something else is before it
+  double hidden = 0.7;    ///< share of the part's pixels where something else is before it
   int outline_px = 1;     ///< so far an object's outline may be off, in pixels of the comparison
   double growth_px = 0;   ///< so far what is in front grows over what is behind it, in pixels of the comparison
   double edge_mm = 10;    ///< from such a jump in depth on

@@ -6,6 +6,7 @@
 #include "partpose/core/parallel.hpp"
 #include "partpose/core/pose.hpp"
 #include "partpose/core/stopwatch.hpp"
+#include "partpose/engine/clutter_search.hpp"
 #include "partpose/engine/comparison.hpp"
 #include "partpose/engine/frame_pieces.hpp"
 #include "partpose/engine/hypothesis.hpp"
@@ -151,6 +152,10 @@ struct Engine::Impl {
 
   void models_changed();
   void examine(Target& target, bool look_behind, StageTimes& time) const;
+  /// Of parts found one by one in what is weakly explained: adds them to the targets, or to the target that each is all
+  /// of, and drops targets that explain less than they.
+  void add_separated(std::vector<Target>& targets, const FramePieces& frame, const std::vector<SeparatedPart>& parts,
+                     StageTimes& time) const;
   void verify(Target& target, std::vector<Hypothesis> hypotheses) const;
   /// Moves the contenders onto the data; returns the least that a fit leaves, in mm.
   double polish(Target& target) const;
@@ -298,7 +303,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   Recognition r;
   r.result.timestamp = make_timestamp();
   StageTimes time(r.stages);
-  const FramePieces frame = time("segmentation", [&] { return split_frame(depth, camera, impl_->pieces); });
+  FramePieces frame = time("segmentation", [&] { return split_frame(depth, camera, impl_->pieces); });
   r.num_of_points_input = static_cast<int>(
       frame.label.size() - std::count(frame.label.begin(), frame.label.end(), FramePieces::not_measured));
   if (frame.objects.empty()) {
@@ -311,17 +316,36 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     return r;
   }
   std::vector<Target> targets;
-  std::bitset<256> explained;  // labels of what a part explains well
+  std::bitset<256> explained, weakly_explained;  // labels of what a part explains well, or does not
   for (const auto& object : frame.objects) {
     if ((object.labels & ~explained).none()) continue;  // a piece of what is explained as a whole
+    if (object.larger_than_a_part) {
+      weakly_explained |= object.labels;
+      continue;
+    }
     Target target = time("points", [&] { return Target(frame, object); });
     if (target.view.points.points_mm.size() < 30) continue;
+    constexpr double blurred_share = 0.08;  // noise beyond it hides what any part looks like
+    if (target.view.noise_mm > blurred_share * impl_->pieces.largest_part_mm) continue;
     impl_->examine(target, false, time);
     constexpr double weak = 0.8, strong = 0.85;
     if (target.best_score < weak && is_partly_hidden(target.view)) impl_->examine(target, true, time);
+    if (target.best_score < weak) {
+      if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
+      auto hypotheses = time("anchored", [&] { return anchored_hypotheses(impl_->model_of, frame, object); });
+      time("verify", [&] { impl_->verify(target, std::move(hypotheses)); });
+    }
+    if (target.best_score < weak) weakly_explained |= object.labels;
     if (target.candidates.empty()) continue;
     if (target.best_score > strong) explained |= object.labels;
     targets.push_back(std::move(target));
+  }
+  weakly_explained &= ~explained;
+  std::vector<SeparatedPart> separated;
+  if (weakly_explained.any()) {
+    if (frame.shadow_of.empty()) time("separation", [&] { find_shadows(frame); });
+    separated = time("separation", [&] { return separate(impl_->model_of, frame, weakly_explained); });
+    impl_->add_separated(targets, frame, separated, time);
   }
   const auto by_evidence = [](const Target& a, const Target& b) { return a.evidence() > b.evidence(); };
   // Objects that a part hardly explains need no closer look, but for the most promising ones.
@@ -365,13 +389,43 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   return r;
 }
 
+void Engine::Impl::add_separated(std::vector<Target>& targets, const FramePieces& frame,
+                                 const std::vector<SeparatedPart>& parts, StageTimes& time) const {
+  std::vector<Target> added;
+  double evidence = 0;
+  std::bitset<256> labels;
+  for (const auto& part : parts) {
+    Target target = time("points", [&] { return Target(frame, part.object); });
+    if (target.view.points.points_mm.size() < 30) continue;
+    time("verify", [&] { verify(target, part.hypotheses); });
+    if (target.candidates.empty()) continue;
+    evidence += target.evidence();
+    labels |= part.object.labels;
+    added.push_back(std::move(target));
+  }
+  std::erase_if(targets, [&](const Target& target) {
+    return (target.view.object->labels & labels).any() && target.evidence() < evidence;
+  });
+  std::move(added.begin(), added.end(), std::back_inserter(targets));
+}
+
 /// The best candidate of each object, those that share pixels with a likelier one left out.
 std::vector<Detection> Engine::Impl::detections(const std::vector<Target>& targets) const {
   std::vector<Detection> out;
   std::bitset<256> taken;
+  // Of a part in two pieces each may have found it.
+  const auto is_there = [&](const Detection& found) {
+    const PartModel& model = *models[found.part];
+    return std::any_of(out.begin(), out.end(), [&](const Detection& other) {
+      return other.part == found.part &&
+             (other.camera_from_model * model.middle_mm - found.camera_from_model * model.middle_mm).norm() <
+                 0.2 * model.diameter_mm;
+    });
+  };
   for (const auto& target : targets) {
     const Candidate& best = target.candidates[0];
-    if (best.score < options.min_score || (taken & target.view.object->labels).any()) continue;
+    if (best.score < options.min_score || (taken & target.view.object->labels).any() || is_there(target.detection))
+      continue;
     taken |= target.view.object->labels;
     out.push_back(target.detection);
   }

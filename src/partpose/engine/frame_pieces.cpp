@@ -21,6 +21,7 @@ namespace {
 
 /// How far a piece may exceed the largest part, for noise and for what sticks to it.
 constexpr float size_margin = 1.25f;
+constexpr float most_parts_long = 5;  ///< a piece of parts that touch
 constexpr int wanted_cells = 80'000;
 /// What is so many times as high as the cut stands out for certain.
 constexpr float stands_out_cuts = 1.7f;
@@ -135,6 +136,7 @@ class Splitter {
   struct Piece {
     Cells cells;
     CutPlane plane;  ///< that was taken away beside it
+    bool larger_than_a_part = false;
   };
   std::vector<Piece> pieces;
   bool whole_frame = false;
@@ -166,6 +168,12 @@ class Splitter {
   }
 
   bool is_too_large(const Cells& cells) const { return extent_mm(cells) > size_margin * options_.largest_part_mm; }
+
+  /// Some parts that touch: larger than one, but not by far.
+  bool is_heap(const Cells& cells) const {
+    return static_cast<int>(cells.size()) >= min_cells_ && is_too_large(cells) &&
+           extent_mm(cells) < most_parts_long * options_.largest_part_mm;
+  }
 
   bool is_plausible(const Cells& cells) const {
     if (static_cast<int>(cells.size()) < min_cells_) return false;
@@ -395,6 +403,8 @@ class Splitter {
       if (static_cast<int>(piece.size()) < min_cells_) continue;
       if (is_plausible(piece)) {
         if (stands_out(piece, plane, level)) add({std::move(piece), plane});
+      } else if (level == 0 && is_heap(piece)) {
+        if (stands_out(piece, plane, level)) add({std::move(piece), plane, true});
       } else if (level + 1 < most_levels && is_too_large(piece)) {
         if (const auto next = dominant_plane(piece)) remove_plane_and_split(piece, *next, level + 1);
       }
@@ -482,6 +492,7 @@ class PixelLabels {
     const auto label = static_cast<std::uint8_t>(FramePieces::first_piece + k);
     FrameObject object;
     object.labels.set(label);
+    object.larger_than_a_part = piece.larger_than_a_part;
     object.u0 = depth.width, object.v0 = depth.height;
     const auto fx = static_cast<float>(1 / frame_.camera.fx), fy = static_cast<float>(1 / frame_.camera.fy);
     const auto cx = static_cast<float>(frame_.camera.cx), cy = static_cast<float>(frame_.camera.cy);
@@ -634,6 +645,36 @@ FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const
   return frame;
 }
 
+void find_shadows(FramePieces& frame) {
+  constexpr int widest_px = 60;
+  constexpr float least_step_mm = 8;
+  const DepthImage& depth = *frame.depth;
+  frame.shadow_of.assign(frame.label.size(), -1);
+  for (int v = 0; v < depth.height; ++v) {
+    const std::int32_t row = v * depth.width;
+    for (int u = 0; u < depth.width; ++u) {
+      if (frame.label[row + u] != FramePieces::not_measured) continue;
+      const int from = u;
+      while (u < depth.width && frame.label[row + u] == FramePieces::not_measured) ++u;
+      if (u - from > widest_px) continue;
+      if (from == 0 || u == depth.width) {
+        // What one imager sees beyond the other's field of view.
+        if (frame.table && u > from)
+          std::fill(frame.shadow_of.begin() + row + from, frame.shadow_of.begin() + row + u, row + from);
+        continue;
+      }
+      const std::int32_t left = row + from - 1, right = row + u;
+      const float step = depth.z_mm[right] - depth.z_mm[left];
+      if (std::abs(step) < least_step_mm) continue;
+      std::fill(frame.shadow_of.begin() + row + from, frame.shadow_of.begin() + row + u, step > 0 ? left : right);
+    }
+  }
+}
+
+namespace {
+constexpr float hides_all_mm = 1;
+}
+
 FrameWindow window(const FramePieces& frame, const FrameObject& object, int u0, int v0, int u1, int v1, int stride) {
   const DepthImage& depth = *frame.depth;
   FrameWindow out;
@@ -650,6 +691,10 @@ FrameWindow window(const FramePieces& frame, const FrameObject& object, int u0, 
     meaning[k] = k == FramePieces::not_measured ? PixelLabel::nothing
                  : object.labels.test(k)        ? PixelLabel::object
                                                 : PixelLabel::background;
+  if (!frame.shadow_of.empty()) {  // beyond the frame all is hidden
+    std::fill(out.depth.z_mm.begin(), out.depth.z_mm.end(), hides_all_mm);
+    std::fill(out.label.begin(), out.label.end(), PixelLabel::background);
+  }
   if (frame.table) out.before_table_mm.assign(out.depth.z_mm.size(), FrameWindow::not_table_mm);
   std::array<float, FlatSurface::degree + 1> bend{};
   const int first = u0 < 0 ? (-u0 + stride - 1) / stride : 0;
@@ -663,6 +708,14 @@ FrameWindow window(const FramePieces& frame, const FrameObject& object, int u0, 
       const std::size_t from = row + u0 + u * stride, to = static_cast<std::size_t>(v) * out.depth.width + u;
       out.depth.z_mm[to] = std::max(depth.z_mm[from], 0.0f);
       out.label[to] = meaning[frame.label[from]];
+      if (!frame.shadow_of.empty() && frame.shadow_of[from] >= 0) {
+        const std::int32_t by = frame.shadow_of[from];
+        if (frame.label[by] != FramePieces::background && !object.labels.test(frame.label[by])) {
+          out.depth.z_mm[to] = std::max(depth.z_mm[by], hides_all_mm);
+          out.label[to] = PixelLabel::background;
+        }
+        continue;
+      }
       if (frame.table && frame.label[from] == FramePieces::background) {
         const Eigen::Vector3f& q = frame.table->q;
         const auto ray_x = static_cast<float>((u0 + u * stride - frame.camera.cx) / frame.camera.fx);

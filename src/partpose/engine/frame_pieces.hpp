@@ -27,6 +27,7 @@ struct FramePiecesOptions {
 struct FrameObject {
   std::bitset<256> labels;               ///< of the pixels that belong to it
   bool whole_frame = false;              ///< everything measured, as if there were no table
+  bool larger_than_a_part = false;       ///< parts that touch, or none
   int u0 = 0, v0 = 0, u1 = -1, v1 = -1;  ///< the box of its pixels, both ends included
   int pixels = 0;
 };
@@ -59,6 +60,9 @@ struct FramePieces {
   /// depths err together and the foreground wider by about half of one; where neighbours err each for itself, nothing
   /// was matched, and outlines are what they are.
   double foreground_growth_px = 0;
+  /// Of each pixel that is not measured since something nearer beside it hides it from one of a stereo camera's
+  /// imagers: the pixel of that; -1 elsewhere. Empty: not looked for (find_shadows).
+  std::vector<std::int32_t> shadow_of;
 
   /// From such a jump in depth on: a disparity of 0.75 px, at a distance of 55 mm between the imagers.
   double edge_mm(double z_mm) const { return z_mm * z_mm * 0.75 / (camera.fx * 55); }
@@ -72,6 +76,10 @@ struct FramePieces {
 /// together as well, two of them or all: a part may hide its own middle. Works on every second pixel (or n-th: about
 /// 80,000) and tells the others by them.
 FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options);
+
+/// Fills `shadow_of`. What hides a pixel from one imager may hide it from the other as well: there a part may be
+/// hidden.
+void find_shadows(FramePieces& frame);
 
 /// Every `stride`-th pixel of the box [u0, u1] x [v0, v1], which may reach beyond the frame: nothing is known there.
 FrameWindow window(const FramePieces& frame, const FrameObject& object, int u0, int v0, int u1, int v1, int stride);

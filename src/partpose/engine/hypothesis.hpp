@@ -16,6 +16,7 @@ namespace partpose {
 /// A part at a pose, with a cost by which hypotheses of one stage are compared: the lower the better.
 struct Hypothesis {
   int part = -1, view = -1;
+  int seed = -1;  ///< the place in the frame that the start is about, where it is about one
   double cost = 0;
   double template_cost = 0;                                 ///< mean difference of the template's cells, in caps
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< by the template

@@ -206,7 +206,10 @@ PartModel::PartModel(const TriangleMesh& mesh)
     const PointCloud relative = transformed(seen, sight_from_camera);
     templates.push_back(make_template(relative.points, 0, centre.norm() / camera.fx, scale));
     small_templates.push_back(halved(templates.back()));
+    const double spacing_mm = centre.norm() / camera.fx;
+    anchored.add(static_cast<int>(views.size()), seen, camera_from_model, spacing_mm, scale);
     views.push_back(make_view(seen, camera_from_model, sight_from_camera));
+    views.back().seen_mm2 = static_cast<float>(static_cast<double>(seen.size()) * spacing_mm * spacing_mm);
   }
   partners = find_partners(*this);
 }
@@ -224,7 +227,8 @@ std::size_t PartModel::memory_bytes() const {
   };
   return sizeof(*this) + mesh_bytes(outline) + mesh_bytes(surface) + views.size() * sizeof(PartView) +
          templates.size() * sizeof(DepthTemplate) + small_templates.size() * sizeof(SmallTemplate) +
-         field.memory_bytes() + samples_mm.size() * sizeof(samples_mm[0]) + partners.size() * sizeof(partners[0]);
+         anchored.anchors.size() * (sizeof(AnchoredViews::Anchor) + sizeof(SmallTemplate)) + field.memory_bytes() +
+         samples_mm.size() * sizeof(samples_mm[0]) + partners.size() * sizeof(partners[0]);
 }
 
 }  // namespace partpose

@@ -4,6 +4,7 @@
 
 #include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/mesh.hpp"
+#include "partpose/engine/anchored_template.hpp"
 #include "partpose/engine/depth_template.hpp"
 #include "partpose/engine/surface_field.hpp"
 
@@ -21,6 +22,7 @@ struct PartView {
   /// Model frame to sight frame: origin in the centroid of what is visible, z along the line of sight through it.
   Eigen::Isometry3f sight_from_model = Eigen::Isometry3f::Identity();
   std::array<Eigen::Vector3f, visible_points> visible_mm;  ///< spread over what is visible, model frame
+  float seen_mm2 = 0;                                      ///< what is visible covers, across the line of sight
 };
 
 struct PartMesh : TriangleMesh {
@@ -40,6 +42,7 @@ struct PartModel {
   std::vector<PartView> views;
   std::vector<DepthTemplate> templates;        ///< of each view
   std::vector<SmallTemplate> small_templates;  ///< of each view
+  AnchoredViews anchored;
   SurfaceField field;
   std::vector<Eigen::Vector3f> samples_mm;  ///< spread evenly over the surface, model frame
   /// Turns (model_from_model) that put the part nearly back onto itself: where it may be mistaken for itself.

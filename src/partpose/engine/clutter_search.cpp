@@ -1,0 +1,601 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/engine/clutter_search.hpp"
+
+#include "partpose/camera/rasterizer.hpp"
+#include "partpose/core/parallel.hpp"
+#include "partpose/descriptor/crh.hpp"
+#include "partpose/engine/verdict.hpp"
+#include "partpose/registration/projective_refinement.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <tuple>
+
+namespace partpose {
+
+namespace {
+
+constexpr int rolls = 24;
+
+/// The surroundings of a place at each turn, for parts of one size.
+struct TurnedWindow {
+  Eigen::Vector3d centre_mm;  ///< camera frame
+  std::array<SmallTemplate, rolls> cells;
+};
+
+bool is_on_table(const FramePieces& frame, int u, int v, float z_mm) {
+  constexpr float near_table_mm = 8;
+  if (!frame.table || frame.label[static_cast<std::size_t>(v) * frame.depth->width + u] != FramePieces::background)
+    return false;
+  const Intrinsics& camera = frame.camera;
+  const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
+  return frame.table->height_mm(ray.cast<float>(), z_mm) < near_table_mm;
+}
+
+/// What is measured around the place: the table counts as background, and what is another part's as so much nearer that
+/// it explains nothing.
+TurnedWindow turned_window(const FramePieces& frame, const FrameObject& rest, const Eigen::Vector3d& centre_mm,
+                           const TemplateScale& scale) {
+  const DepthImage& depth = *frame.depth;
+  const Intrinsics& camera = frame.camera;
+  const Eigen::Matrix3d sight = sight_frame(centre_mm);
+  const Eigen::Vector2d middle_px = camera.project(centre_mm);
+  const double px_per_mm = camera.fx / centre_mm.z();
+  const double reach_px = 1.1 * std::numbers::sqrt2 * DepthTemplate::side / 2 * scale.cell_mm * px_per_mm;
+  const int step = std::max(1, static_cast<int>(scale.cell_mm * px_per_mm / 2));
+  const auto clamped = [](double x, int count) { return std::clamp(static_cast<int>(x), 0, count - 1); };
+  const int u0 = clamped(middle_px.x() - reach_px, depth.width), u1 = clamped(middle_px.x() + reach_px, depth.width);
+  const int v0 = clamped(middle_px.y() - reach_px, depth.height), v1 = clamped(middle_px.y() + reach_px, depth.height);
+  const double nearer_mm = scale.cap * scale.depth_unit_mm;
+  std::vector<Eigen::Vector3f> relative;
+  for (int v = v0; v <= v1; v += step)
+    for (int u = u0; u <= u1; u += step) {
+      const std::size_t p = static_cast<std::size_t>(v) * depth.width + u;
+      const std::uint8_t label = frame.label[p];
+      const float z = depth.z_mm[p];
+      if (label == FramePieces::not_measured) continue;
+      const bool unexplained = rest.labels.test(label);
+      if (!unexplained && is_on_table(frame, u, v, z)) continue;
+      Eigen::Vector3d place = sight * (camera.unproject(u, v, z).cast<double>() - centre_mm);
+      if (!unexplained && label != FramePieces::background) place.z() -= nearer_mm;
+      relative.push_back(place.cast<float>());
+    }
+  TurnedWindow out;
+  out.centre_mm = centre_mm;
+  for (int k = 0; k < rolls; ++k) {
+    const double roll_rad = 2 * std::numbers::pi * k / rolls;
+    DepthTemplate cells = make_template(relative, roll_rad, step / px_per_mm, scale);
+    const Eigen::Matrix3d camera_from_cells =
+        sight.transpose() * Eigen::AngleAxisd(-roll_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    for (int i = 0; i < DepthTemplate::cells; ++i) {
+      if (cells.cell[i] != DepthTemplate::background) continue;
+      const double x = (i % DepthTemplate::side + 0.5 - DepthTemplate::side / 2) * scale.cell_mm;
+      const double y = (i / DepthTemplate::side + 0.5 - DepthTemplate::side / 2) * scale.cell_mm;
+      const Eigen::Vector2d pixel = camera.project(centre_mm + camera_from_cells * Eigen::Vector3d(x, y, 0));
+      const int u = static_cast<int>(std::floor(pixel.x() + 0.5)), v = static_cast<int>(std::floor(pixel.y() + 0.5));
+      if (u < 0 || v < 0 || u >= depth.width || v >= depth.height || !(depth.at(u, v) > 0))
+        cells.cell[i] = DepthTemplate::unknown;
+    }
+    out.cells[k] = halved(cells);
+  }
+  return out;
+}
+
+/// An anchored view at a turn.
+struct Look {
+  float mm2;  ///< of surface that it explains, less what speaks against it
+  std::int32_t part, anchor;
+  std::int16_t seed;
+  std::int8_t roll;
+
+  bool operator<(const Look& other) const {
+    return std::tuple(-mm2, part, anchor, seed, roll) <
+           std::tuple(-other.mm2, other.part, other.anchor, other.seed, other.roll);
+  }
+};
+
+void keep_best(std::vector<Look>& looks, std::size_t count) {
+  if (looks.size() <= count) return;
+  std::nth_element(looks.begin(), looks.begin() + static_cast<std::ptrdiff_t>(count), looks.end());
+  looks.resize(count);
+}
+
+/// Mm2 of `rest` that what the view shows of the part explains, less where the part cannot be.
+double explained_mm2(const Hypothesis& h, const PartModel& model, const FramePieces& frame, const FrameObject& rest,
+                     float tolerance_mm) {
+  const DepthImage& depth = *frame.depth;
+  const Intrinsics& camera = frame.camera;
+  const Eigen::Isometry3f camera_from_model = h.camera_from_model.cast<float>();
+  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
+  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  const PartView& view = model.views[h.view];
+  float sum = 0;
+  for (const auto& p : view.visible_mm) {
+    const Eigen::Vector3f q = camera_from_model * p;
+    if (!(q.z() > 1)) return -1e9;
+    const int u = static_cast<int>(std::floor(fx * q.x() / q.z() + cx + 0.5f));
+    const int v = static_cast<int>(std::floor(fy * q.y() / q.z() + cy + 0.5f));
+    if (u < 0 || v < 0 || u >= depth.width || v >= depth.height) continue;
+    const std::size_t pixel = static_cast<std::size_t>(v) * depth.width + u;
+    const std::uint8_t label = frame.label[pixel];
+    if (label == FramePieces::not_measured) continue;
+    const float behind_mm = depth.z_mm[pixel] - q.z();  // of what was measured
+    if (rest.labels.test(label)) {
+      const float share = behind_mm / tolerance_mm;
+      sum += std::abs(share) < 1 ? 1 - share * share : share > 1 ? -1.0f : -0.1f;
+    } else if (label == FramePieces::background && is_on_table(frame, u, v, depth.z_mm[pixel])) {
+      sum -= std::abs(behind_mm) < tolerance_mm ? 0.2f : 1.0f;
+    } else {
+      sum -= behind_mm > tolerance_mm ? 1.0f : behind_mm > -tolerance_mm ? 0.5f : 0.1f;
+    }
+  }
+  return sum / PartView::visible_points * view.seen_mm2;
+}
+
+/// Of each seed the best.
+std::vector<Hypothesis> best_of_each_seed(const std::vector<Hypothesis>& sorted, std::size_t count) {
+  std::map<int, std::size_t> taken;
+  std::vector<Hypothesis> kept;
+  for (const auto& h : sorted)
+    if (taken[h.seed]++ < count) kept.push_back(h);
+  return kept;
+}
+
+void refine_each(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models,
+                 const FramePieces& frame, const FrameObject& rest, const std::vector<Eigen::Vector3f>& points,
+                 double noise_mm, std::size_t probes, double start_share, double end_share, int iterations) {
+  std::stable_sort(hypotheses.begin(), hypotheses.end(), [](const auto& a, const auto& b) { return a.part < b.part; });
+  parallel_for(
+      hypotheses.size(),
+      [&](std::size_t i) {
+        Hypothesis& h = hypotheses[i];
+        const PartModel& model = *models[h.part];
+        const Eigen::Vector3f middle = (h.camera_from_model * model.middle_mm).cast<float>();
+        const auto reach = static_cast<float>(0.55 * model.diameter_mm);
+        std::vector<Eigen::Vector3f> near, some;
+        for (const auto& p : points)
+          if ((p - middle).squaredNorm() < reach * reach) near.push_back(p);
+        const std::size_t taken = std::min(near.size(), probes);
+        for (std::size_t k = 0; k < taken; ++k) some.push_back(near[(2 * k + 1) * near.size() / (2 * taken)]);
+        const double end_mm = std::max(end_share * model.diameter_mm, noise_mm);
+        const auto refined = refine_on_field(model.field, h.camera_from_model, ProbePoints(some),
+                                             {.start_scale_mm = std::max(start_share * model.diameter_mm, end_mm),
+                                              .end_scale_mm = end_mm,
+                                              .max_iterations = iterations});
+        h.camera_from_model = refined.camera_from_model;
+        h.cost = -explained_mm2(h, model, frame, rest, static_cast<float>(3 * end_mm));
+      },
+      8);
+  sort_by_cost(hypotheses);
+}
+
+FrameObject all_of(const FramePieces& frame, const std::bitset<256>& labels) {
+  FrameObject out;
+  out.labels = labels;
+  out.u0 = frame.depth->width, out.v0 = frame.depth->height;
+  for (int v = 0; v < frame.depth->height; ++v)
+    for (int u = 0; u < frame.depth->width; ++u) {
+      if (!labels.test(frame.label[static_cast<std::size_t>(v) * frame.depth->width + u])) continue;
+      ++out.pixels;
+      out.u0 = std::min(out.u0, u), out.u1 = std::max(out.u1, u);
+      out.v0 = std::min(out.v0, v), out.v1 = std::max(out.v1, v);
+    }
+  return out;
+}
+
+/// The pixels that the part at its pose covers, about `wanted` of them.
+struct PartWindow {
+  FrameWindow frame;
+  int u0, v0, stride;
+};
+PartWindow window_of(const FramePieces& frame, const FrameObject& rest, const PartModel& model,
+                     const Eigen::Isometry3d& camera_from_model, int wanted, int margin_px) {
+  const Intrinsics& camera = frame.camera;
+  double u0 = camera.width, u1 = 0, v0 = camera.height, v1 = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Vector3d corner =
+        camera_from_model * model.box_mm.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k));
+    if (corner.z() < 1) continue;
+    const Eigen::Vector2d pixel = camera.project(corner);
+    u0 = std::min(u0, pixel.x()), u1 = std::max(u1, pixel.x());
+    v0 = std::min(v0, pixel.y()), v1 = std::max(v1, pixel.y());
+  }
+  const auto pixel = [&](double x, int most) { return static_cast<int>(std::clamp<double>(x, 0, most - 1)); };
+  PartWindow out;
+  out.u0 = pixel(u0 - margin_px, camera.width), out.v0 = pixel(v0 - margin_px, camera.height);
+  const int last_u = pixel(u1 + margin_px, camera.width), last_v = pixel(v1 + margin_px, camera.height);
+  // A part covers about half of its box.
+  const double covered = 0.5 * (last_u - out.u0 + 1) * (last_v - out.v0 + 1);
+  out.stride = wanted > 0 ? std::max(1, static_cast<int>(std::lround(std::sqrt(covered / wanted)))) : 1;
+  out.frame = window(frame, rest, out.u0, out.v0, last_u, last_v, out.stride);
+  return out;
+}
+
+/// A rendering's surface where it would go on beyond its outline, straight on. The inverse depth of a plane is linear
+/// in the image.
+struct Beyond {
+  DepthImage depth;                ///< 0 where it does not reach
+  std::vector<std::uint8_t> step;  ///< pixels from the outline
+};
+/// `stride`: of the rendering's pixels, in the frame's.
+Beyond beyond_outline(const DepthImage& rendered, int reach_px, int stride) {
+  // The slope is that between two places some pixels within the outline, beyond a rounded edge.
+  const int near_px = std::max(1, 2 / stride), far_px = near_px + std::max(1, 6 / stride);
+  const int width = rendered.width;
+  Beyond out{DepthImage(width, rendered.height), std::vector<std::uint8_t>(rendered.z_mm.size(), 0)};
+  std::vector<int> nearest(rendered.z_mm.size(), -1), front, next;
+  for (int p = 0; p < static_cast<int>(nearest.size()); ++p)
+    if (rendered.z_mm[p] > 0) {
+      nearest[p] = p;
+      front.push_back(p);
+    }
+  for (int step = 1; step <= reach_px / stride + 1; ++step, front.swap(next)) {
+    next.clear();
+    for (const int from : front)
+      for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+        const int u = from % width + du, v = from / width + dv;
+        if (u < 0 || v < 0 || u >= width || v >= rendered.height) continue;
+        const int p = v * width + u;
+        if (nearest[p] >= 0) continue;
+        const int edge = nearest[p] = nearest[from];
+        next.push_back(p);
+        const int edge_u = edge % width, edge_v = edge / width;
+        const auto distance = static_cast<float>(std::hypot(u - edge_u, v - edge_v));
+        const auto inverse_within = [&](int px) {
+          const int uu = edge_u + static_cast<int>(std::lround(px * (edge_u - u) / distance));
+          const int vv = edge_v + static_cast<int>(std::lround(px * (edge_v - v) / distance));
+          return uu >= 0 && vv >= 0 && uu < width && vv < rendered.height && rendered.at(uu, vv) > 0
+                     ? 1 / rendered.at(uu, vv)
+                     : 0.0f;
+        };
+        const float near = inverse_within(near_px), far = inverse_within(far_px);
+        if (!(near > 0) || !(far > 0)) continue;
+        const float inverse =
+            near + (near - far) * (distance + static_cast<float>(near_px)) / static_cast<float>(far_px - near_px);
+        if (!(inverse > 0)) continue;
+        out.depth.z_mm[p] = 1 / inverse;
+        out.step[p] = static_cast<std::uint8_t>(step);
+      }
+  }
+  return out;
+}
+
+/// Finds one part after the other in what is left.
+class Separation {
+ public:
+  Separation(std::span<const PartModel* const> models, FramePieces& frame, const std::bitset<256>& unexplained)
+      : models_(models), frame_(frame), labels_(unexplained) {
+    std::bitset<256> used;
+    for (const std::uint8_t label : frame.label) {
+      used.set(label);
+      ++pixels_[label];
+    }
+    while (next_label_ < 255 && used.test(next_label_)) ++next_label_;
+    first_label_ = next_label_;
+    for (const PartModel* model : models) largest_mm_ = std::max(largest_mm_, model->diameter_mm);
+    while (next_label_ < 250 && round()) {
+    }
+    share_rest();
+    drop_lonely();
+  }
+
+  std::vector<SeparatedPart> parts;
+
+ private:
+  struct Trial {
+    Hypothesis hypothesis;
+    DepthComparison comparison;  ///< with what is left about it
+    int conflicts = 0;           ///< pixels where it lies on what another part explains
+    int outline = 0;             ///< measured pixels just outside its outline
+    int no_outline = 0;          ///< of them: where the surface just goes on
+    double gain = 0;             ///< of log-likelihood, over leaving its pixels unexplained
+  };
+
+  static constexpr int wanted_pixels = 800, outline_px = 3, ring_px = 4, beyond_px = 24, far_beyond_px = 60;
+
+  bool round() {
+    const FrameObject rest = all_of(frame_, labels_);
+    constexpr int least_pixels = 120;
+    if (rest.pixels < least_pixels) return false;
+    const ObjectView view(frame_, rest);
+    noise_per_mm2_ = view.noise_mm / std::pow(view.all.centre_mm().z(), 2);
+    auto hypotheses = anchored_hypotheses(models_, frame_, rest);
+    std::vector<Trial> trials(hypotheses.size());
+    parallel_for(trials.size(), [&](std::size_t i) {
+      trials[i].hypothesis = hypotheses[i];
+      compare(trials[i], rest);
+    });
+    bool found = false;
+    while (!trials.empty() && next_label_ < 250) {
+      std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.gain > b.gain; });
+      Trial best = trials.front();
+      trials.erase(trials.begin());
+      if (!(best.gain > 0)) break;
+      if (!is_good(best)) polish(best, rest);
+      if (!is_good(best)) continue;
+      found = true;
+      SeparatedPart part;
+      part.hypotheses.push_back(best.hypothesis);
+      const Eigen::Vector3d middle = middle_of(best.hypothesis);
+      for (const auto& other : trials) {
+        constexpr std::size_t most_rivals = 8;
+        if (part.hypotheses.size() >= most_rivals) break;
+        if ((middle_of(other.hypothesis) - middle).norm() < 0.3 * models_[best.hypothesis.part]->diameter_mm)
+          part.hypotheses.push_back(other.hypothesis);
+      }
+      claim(best.hypothesis);
+      no_outline_.push_back(best.no_outline / std::max(1.0, static_cast<double>(best.outline)));
+      parts.push_back(std::move(part));
+      parallel_for(trials.size(), [&](std::size_t i) { compare(trials[i], rest); });
+    }
+    return found;
+  }
+
+  /// Of another object than what is left.
+  static bool is_piece(const PartWindow& window, std::size_t p) {
+    return window.frame.label[p] == PixelLabel::background && !window.frame.before_table_mm.empty() &&
+           window.frame.before_table_mm[p] == FrameWindow::not_table_mm;
+  }
+  /// By the square law of triangulation.
+  double noise_at(const Hypothesis& h) const { return noise_per_mm2_ * std::pow(middle_of(h).z(), 2); }
+  Eigen::Vector3d middle_of(const Hypothesis& h) const { return h.camera_from_model * models_[h.part]->middle_mm; }
+
+  /// Only what is near the part counts as the object, and where the surface goes on beyond the part's outline.
+  void compare(Trial& trial, const FrameObject& rest) const {
+    const PartModel& model = *models_[trial.hypothesis.part];
+    const Eigen::Isometry3d& pose = trial.hypothesis.camera_from_model;
+    PartWindow window = window_of(frame_, rest, model, pose, wanted_pixels, beyond_px + 1);
+    const int reach = (outline_px + window.stride - 1) / window.stride;
+    const int ring = (ring_px + window.stride - 1) / window.stride;
+    const DepthImage rendered = render(model.outline, pose, window.frame.camera).depth;
+    const Beyond beyond = beyond_outline(rendered, beyond_px, window.stride);
+    trial.conflicts = trial.outline = trial.no_outline = 0;
+    for (int v = 0; v < rendered.height; ++v)
+      for (int u = 0; u < rendered.width; ++u) {
+        const std::size_t p = static_cast<std::size_t>(v) * rendered.width + u;
+        PixelLabel& label = window.frame.label[p];
+        if (rendered.z_mm[p] > 0 && is_piece(window, p))
+          trial.conflicts += std::abs(rendered.z_mm[p] - window.frame.depth.z_mm[p]) < 4 * noise_at(trial.hypothesis);
+        const bool is_ring = beyond.step[p] > reach && beyond.step[p] <= reach + ring;
+        trial.outline += is_ring && window.frame.depth.z_mm[p] > 0;
+        const bool goes_on = beyond.depth.z_mm[p] > 0 && std::abs(beyond.depth.z_mm[p] - window.frame.depth.z_mm[p]) <
+                                                             3 * noise_at(trial.hypothesis);
+        trial.no_outline += is_ring && goes_on && (label == PixelLabel::object || is_piece(window, p));
+        if (label != PixelLabel::object || goes_on) continue;
+        bool near = false;
+        for (int vv = std::max(v - reach, 0); vv <= std::min(v + reach, rendered.height - 1) && !near; ++vv)
+          for (int uu = std::max(u - reach, 0); uu <= std::min(u + reach, rendered.width - 1) && !near; ++uu)
+            near = rendered.at(uu, vv) > 0;
+        if (!near) label = PixelLabel::nothing;
+      }
+    const SensorModel sensor{.noise_mm = noise_at(trial.hypothesis),
+                             .outline_px = reach,
+                             .growth_px = frame_.foreground_growth_px / window.stride,
+                             .edge_mm = frame_.edge_mm(middle_of(trial.hypothesis).z()),
+                             .size_mm = largest_mm_};
+    trial.comparison = compare_depth(model.outline, pose, window.frame, sensor);
+    constexpr double conflict_cost = 6;  // the comparison counts up to 3 for a pixel that was taken for the table
+    trial.gain = (trial.comparison.log_likelihood - trial.comparison.object * std::log(sensor.outlier) -
+                  conflict_cost * trial.conflicts) *
+                 window.stride * window.stride;
+  }
+
+  /// Moves the part onto the pixels themselves, where that may help.
+  void polish(Trial& trial, const FrameObject& rest) const {
+    constexpr double hopeless = 0.001;
+    if (trial.comparison.explained < 0.2 * trial.comparison.model || probability_of_part(trial.comparison) < hopeless)
+      return;
+    const PartModel& model = *models_[trial.hypothesis.part];
+    PartWindow window = window_of(frame_, rest, model, trial.hypothesis.camera_from_model, wanted_pixels, outline_px);
+    for (std::size_t p = 0; p < window.frame.label.size(); ++p)
+      if (window.frame.label[p] != PixelLabel::object) window.frame.depth.z_mm[p] = 0;
+    const auto refined = refine_projectively(
+        model.surface, trial.hypothesis.camera_from_model, window.frame.depth, window.frame.camera,
+        {.gate_mm = static_cast<float>(std::max(6 * noise_at(trial.hypothesis), 2.0)), .max_iterations = 3});
+    if (!std::isfinite(refined.rms_mm)) return;
+    trial.hypothesis.camera_from_model = refined.camera_from_model;
+    compare(trial, rest);
+  }
+
+  bool is_good(const Trial& trial) const {
+    constexpr double least_score = 0.7, least_seen = 0.3, most_conflicts = 0.1, most_no_outline = 0.25;
+    const DepthComparison& c = trial.comparison;
+    return c.explained > least_seen * c.model && trial.conflicts < most_conflicts * c.model &&
+           trial.no_outline < most_no_outline * trial.outline && probability_of_part(c) > least_score;
+  }
+
+  /// Gives what the part explains a label of its own.
+  void claim(const Hypothesis& h) {
+    const PartModel& model = *models_[h.part];
+    FrameObject rest;
+    rest.labels = labels_;
+    const PartWindow window = window_of(frame_, rest, model, h.camera_from_model, 0, outline_px + 1);
+    const DepthImage rendered = render(model.surface, h.camera_from_model, window.frame.camera).depth;
+    const auto limit_mm = static_cast<float>(4 * noise_at(h));
+    std::array<int, 256> from{};
+    for (int v = 0; v < rendered.height; ++v)
+      for (int u = 0; u < rendered.width; ++u) {
+        if (window.frame.label[static_cast<std::size_t>(v) * rendered.width + u] != PixelLabel::object) continue;
+        const float z = window.frame.depth.at(u, v);
+        bool explained = false;
+        for (int vv = std::max(v - outline_px, 0); vv <= std::min(v + outline_px, rendered.height - 1); ++vv)
+          for (int uu = std::max(u - outline_px, 0); uu <= std::min(u + outline_px, rendered.width - 1); ++uu)
+            explained |= rendered.at(uu, vv) > 0 && std::abs(rendered.at(uu, vv) - z) < limit_mm;
+        if (!explained) continue;
+        std::uint8_t& label =
+            frame_.label[static_cast<std::size_t>(window.v0 + v) * frame_.depth->width + window.u0 + u];
+        ++from[label];
+        label = static_cast<std::uint8_t>(next_label_);
+      }
+    for (auto& object : frame_.objects)
+      for (int label = 0; label < 256; ++label)
+        if (from[label] > 0 && object.labels.test(label)) object.labels.set(next_label_);
+    ++next_label_;
+    const int piece = static_cast<int>(std::max_element(from.begin(), from.end()) - from.begin());
+    explained_[piece] += from[piece];
+    piece_.push_back(piece);
+  }
+
+  /// Which parts stand on the table, or touch a part that is supported itself: nothing hangs in the air. All, where no
+  /// table is seen.
+  std::vector<bool> supported() const {
+    std::vector<bool> out(parts.size(), !frame_.table);
+    if (!frame_.table) return out;
+    constexpr double touches_share = 0.04;
+    const auto tolerance_mm = [&](const Hypothesis& h) {
+      return std::max(touches_share * models_[h.part]->diameter_mm, 3 * noise_at(h));
+    };
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const Hypothesis& h = parts[i].hypotheses[0];
+      double lowest_mm = 1e9;
+      for (const auto& p : models_[h.part]->samples_mm) {
+        const Eigen::Vector3f q = (h.camera_from_model * p.cast<double>()).cast<float>();
+        lowest_mm = std::min<double>(lowest_mm, frame_.table->height_mm(q / q.z(), q.z()));
+      }
+      out[i] = lowest_mm < tolerance_mm(h);
+    }
+    const auto touch = [&](const Hypothesis& a, const Hypothesis& b) {
+      const Eigen::Isometry3f b_from_a = (b.camera_from_model.inverse() * a.camera_from_model).cast<float>();
+      return std::any_of(models_[a.part]->samples_mm.begin(), models_[a.part]->samples_mm.end(), [&](const auto& p) {
+        return models_[b.part]->field.at(b_from_a * p).distance_mm < tolerance_mm(b);
+      });
+    };
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t i = 0; i < parts.size(); ++i)
+        for (std::size_t k = 0; k < parts.size() && !out[i]; ++k)
+          if (out[k] && touch(parts[i].hypotheses[0], parts[k].hypotheses[0])) out[i] = changed = true;
+    }
+    return out;
+  }
+
+  /// A piece of which the parts leave most is something else, with faces like theirs; so is one with a single part
+  /// whose outline is not seen all around.
+  void drop_lonely() {
+    constexpr double least_share = 0.35, most_no_outline = 0.2;
+    const std::vector<bool> held = supported();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      if (held[i] && explained_[piece_[i]] > least_share * pixels_[piece_[i]] &&
+          (std::count(piece_.begin(), piece_.end(), piece_[i]) > 1 || no_outline_[i] < most_no_outline)) {
+        if (kept != i) parts[kept] = std::move(parts[i]);
+        ++kept;
+      }
+    parts.resize(kept);
+  }
+
+  /// What is left where a part's surface goes on beyond its outline is its: unexplained.
+  void share_rest() {
+    FrameObject rest;
+    rest.labels = labels_;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const Hypothesis& h = parts[i].hypotheses[0];
+      const PartModel& model = *models_[h.part];
+      const PartWindow window = window_of(frame_, rest, model, h.camera_from_model, 0, far_beyond_px + 1);
+      const DepthImage beyond =
+          beyond_outline(render(model.surface, h.camera_from_model, window.frame.camera).depth, far_beyond_px, 1).depth;
+      for (int v = 0; v < beyond.height; ++v)
+        for (int u = 0; u < beyond.width; ++u)
+          if (window.frame.label[static_cast<std::size_t>(v) * beyond.width + u] == PixelLabel::object &&
+              beyond.at(u, v) > 0 && std::abs(beyond.at(u, v) - window.frame.depth.at(u, v)) < 3 * noise_at(h))
+            frame_.label[static_cast<std::size_t>(window.v0 + v) * frame_.depth->width + window.u0 + u] =
+                static_cast<std::uint8_t>(first_label_ + i);
+    }
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      std::bitset<256> own;
+      own.set(first_label_ + i);
+      parts[i].object = all_of(frame_, own);
+    }
+  }
+
+  std::span<const PartModel* const> models_;
+  FramePieces& frame_;
+  std::bitset<256> labels_;
+  int first_label_ = 0, next_label_ = FramePieces::first_piece;
+  std::array<int, 256> pixels_{}, explained_{};  ///< by the label of a piece
+  std::vector<int> piece_;                       ///< of each part: the label that most of its pixels had
+  std::vector<double> no_outline_;               ///< of each part: the share of its outline where the surface goes on
+  double noise_per_mm2_ = 1e-6, largest_mm_ = 0;
+};
+
+}  // namespace
+
+std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> models, const FramePieces& frame,
+                                            const FrameObject& rest) {
+  constexpr int most_seeds = 16;
+  constexpr int wanted_points = 1500;
+  const ObjectView view(frame, rest);
+  const std::vector<Eigen::Vector3f> points = object_points(frame, rest, wanted_points).points_mm;
+  if (points.size() < 20) return {};
+  // As many places as parts of the smallest size could lie there, and some more.
+  const std::vector<int> seeds = spread_places(points, most_seeds);
+
+  std::map<double, std::vector<TurnedWindow>> windows;  // by the cells' size
+  for (const PartModel* model : models) {
+    auto& of_size = windows[model->scale.cell_mm];
+    if (!of_size.empty()) continue;
+    of_size.resize(seeds.size());
+    parallel_for(seeds.size(), [&](std::size_t s) {
+      of_size[s] = turned_window(frame, rest, local_mean(points, points[seeds[s]], model->scale.cell_mm), model->scale);
+    });
+  }
+
+  constexpr std::size_t kept_per_part_and_seed = 12, kept_per_seed = 40;
+  std::vector<std::vector<Look>> of_seed(seeds.size());
+  parallel_for(seeds.size(), [&](std::size_t s) {
+    for (std::size_t part = 0; part < models.size(); ++part) {
+      const PartModel& model = *models[part];
+      const auto mm2_per_step = static_cast<float>(4 * model.scale.cell_mm * model.scale.cell_mm / model.scale.cap);
+      const TurnedWindow& window = windows.at(model.scale.cell_mm)[s];
+      std::vector<Look> looks;
+      for (std::size_t a = 0; a < model.anchored.templates.size(); ++a)
+        for (int k = 0; k < rolls; ++k) {
+          const int steps = explained_steps(model.anchored.templates[a], window.cells[k], model.scale.cap);
+          if (steps > 0)
+            looks.push_back({mm2_per_step * static_cast<float>(steps), static_cast<std::int32_t>(part),
+                             static_cast<std::int32_t>(a), static_cast<std::int16_t>(s), static_cast<std::int8_t>(k)});
+        }
+      keep_best(looks, kept_per_part_and_seed);
+      of_seed[s].insert(of_seed[s].end(), looks.begin(), looks.end());
+    }
+    keep_best(of_seed[s], kept_per_seed);
+  });
+
+  std::vector<Hypothesis> hypotheses;
+  for (const auto& looks : of_seed)
+    for (const Look& look : looks) {
+      const PartModel& model = *models[look.part];
+      const AnchoredViews::Anchor& anchor = model.anchored.anchors[look.anchor];
+      const Eigen::Vector3d& centre = windows.at(model.scale.cell_mm)[look.seed].centre_mm;
+      const Eigen::AngleAxisd roll_back(-2 * std::numbers::pi * look.roll / rolls, Eigen::Vector3d::UnitZ());
+      Eigen::Isometry3d camera_from_sight = Eigen::Isometry3d::Identity();
+      camera_from_sight.linear() = sight_frame(centre).transpose() * roll_back.toRotationMatrix();
+      camera_from_sight.translation() = centre;
+      Hypothesis h;
+      h.part = look.part;
+      h.view = anchor.view;
+      h.seed = look.seed;
+      h.cost = -look.mm2;
+      h.start = h.camera_from_model = camera_from_sight * anchor.sight_from_model.cast<double>();
+      hypotheses.push_back(h);
+    }
+  refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 64, 0.06, 0.01, 6);
+  constexpr std::size_t kept_at_first = 10, kept = 5;
+  hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept_at_first);
+  refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 192, 0.06, 0.01, 8);
+  hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept);
+  refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 512, 0.02, 0.005, 6);
+  return distinct(std::move(hypotheses), models);
+}
+
+std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,
+                                    const std::bitset<256>& unexplained) {
+  return std::move(Separation(models, frame, unexplained).parts);
+}
+
+}  // namespace partpose

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "partpose/engine/hypothesis.hpp"
+
+#include <bitset>
+#include <span>
+#include <vector>
+
+namespace partpose {
+
+/// A part that was found among others, or behind them.
+struct SeparatedPart {
+  std::vector<Hypothesis> hypotheses;  ///< best first: it, and others for about the same pixels
+  FrameObject object;                  ///< the pixels that are its
+};
+
+/// Finds parts that touch or cover one another, or of which something hides a part, where the whole of what is
+/// connected says little: in the pixels of the labels in `unexplained`. Starts are the parts' views about places on the
+/// surface (AnchoredViews); what the best of them explains is taken away, and what is left is looked at again, until
+/// nothing good is found. The pixels of each part get a label of their own, which all objects whose pixels they were
+/// get as well.
+std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,
+                                    const std::bitset<256>& unexplained);
+
+/// Parts at poses about places on the surface of `rest`, refined; best first, their cost is minus the mm2 of `rest`
+/// that they explain, less what speaks against them.
+std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> models, const FramePieces& frame,
+                                            const FrameObject& rest);
+
+}  // namespace partpose
