@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
       "Examples:\n"
       "  partpose recognize --models parts/ frame.png          # which part is it, and where\n"
       "  partpose view --models parts/ frame.png               # the same as a page to look at, in 3-D\n"
+      "  partpose live realsense --models parts/               # the frames of a camera, as they come\n"
       "  partpose dataset --models parts/ --output dataset/    # views of all parts, for the commands below\n"
       "  partpose config --output pipeline.json                # every key of the pipeline, explained\n"
       "  partpose index --dataset dataset/                     # descriptors of the views\n"
@@ -60,6 +61,7 @@ int main(int argc, char** argv) {
   app.parse_complete_callback([&] { limit = std::make_unique<ThreadLimit>(common.threads); });
   apps::add_recognize_command(app, common);
   apps::add_view_command(app, common);
+  apps::add_live_command(app, common);
   apps::add_inspect_command(app, common);
   apps::add_config_command(app);
   apps::add_dataset_commands(app, common);
