@@ -161,7 +161,7 @@ def _run(options: argparse.Namespace, output: TextIO) -> int:
                 log.close()
     if not options.quiet:
         seconds = max(time.monotonic() - begun, 1e-9)
-        print(f"{count} frames, {recognized} recognized, {count / seconds:.1f} frames/s", file=sys.stderr)
+        print(f"{count} frame{'s' * (count != 1)}, {recognized} recognized, {count / seconds:.1f} frames/s", file=sys.stderr)
     return 2 if failures else 0
 
 

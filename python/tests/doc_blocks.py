@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 MARKER = re.compile(r"<!-- (not run|checked|before|given|run with|output|file|config)(?:: (.+))? -->$")
-NUMBER = re.compile(r"-?\d[\d.,e+-]*")
+NUMBER = re.compile(r"-?\d(?:[\d.,e+-]*\d)?")
 
 
 @dataclass

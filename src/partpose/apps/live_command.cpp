@@ -81,7 +81,8 @@ void execute(std::vector<std::string> words) {
   program.insert(program.end(), given.begin(), given.end());
   execute(program);
   const std::string missing = fmt::format(
-      "live: {}: cameras and recordings are read by partpose's Python package, which is not installed here: pip install "
+      "live: {}: cameras and recordings are read by partpose's Python package, which is not installed here: pip "
+      "install "
       "'.[realsense]' or '.[openni]' in the folder of its source; a folder of depth PNGs needs none",
       arguments.source);
   program = {"python3", "-c",
@@ -242,8 +243,8 @@ void recognize_folder(const LiveArguments& arguments, const Common& common) {
   if (live.jsonl && !*live.jsonl)
     throw Error("{}: could not be written completely: is the disk full?", arguments.jsonl.string());
   if (!common.quiet)
-    fmt::print(stderr, "{} frames, {} recognized, {:.1f} frames/s\n", live.count, live.recognized,
-               1000 * live.count / std::max(since_start.elapsed_ms(), 1e-6));
+    fmt::print(stderr, "{} frame{}, {} recognized, {:.1f} frames/s\n", live.count, live.count == 1 ? "" : "s",
+               live.recognized, 1000 * live.count / std::max(since_start.elapsed_ms(), 1e-6));
 }
 
 }  // namespace

@@ -359,7 +359,8 @@ TEST(Report, TheSameFolderGivesTheSameBytesWithAnyNumberOfThreads) {
   const ReportSummary summary = write_report(folder.path(), out.path() / "a.html", {}, progress);
   EXPECT_EQ(summary.frames, 5);
   const std::vector<std::size_t> each = {1, 2, 3, 4, 5};
-  EXPECT_EQ(told, (std::map<std::string, std::vector<std::size_t>>{{"packing frames", each}, {"reading frames", each}}));
+  EXPECT_EQ(told,
+            (std::map<std::string, std::vector<std::size_t>>{{"packing frames", each}, {"reading frames", each}}));
   EXPECT_FALSE(summary.thinned);
   EXPECT_TRUE(summary.problems.empty());
   EXPECT_EQ(summary.bytes, fs::file_size(out.path() / "a.html"));
