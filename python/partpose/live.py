@@ -86,7 +86,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--models", nargs="+", required=True, help="model files, or folders of them")
     parser.add_argument("--recognizer", choices=["engine", "recognizer"], default="engine", help="default: engine")
     parser.add_argument("--min-score", type=float, help="a candidate below is not believed, 0 to 1")
-    parser.add_argument("--cache", help="where catalogues are kept (default: ~/.cache/partpose)")
+    parser.add_argument("--cache", help="where catalogues of the recognizer are kept (default: ~/.cache/partpose)")
     parser.add_argument("--json", action="store_true", help="one line of JSON for each frame, on standard output")
     parser.add_argument("--jsonl", metavar="FILE", help="append the lines of JSON to this file")
     parser.add_argument("--frames", type=int, help="end after so many frames")
@@ -102,7 +102,7 @@ def _parser() -> argparse.ArgumentParser:
 def _recognizer(options: argparse.Namespace) -> PartRecognizer:
     kwargs = {} if options.min_score is None else {"min_score": options.min_score}
     if options.recognizer == "engine":
-        return Engine.from_files(options.models, EngineOptions(**kwargs), options.cache)
+        return Engine.from_files(options.models, EngineOptions(**kwargs))
     return Recognizer.from_files(options.models, RecognizerOptions(**kwargs), options.cache)
 
 

@@ -114,7 +114,7 @@ class Reader:
             json.loads(text)
             for kind in block.marked("config"):
                 (self.folder / ".config.json").write_text(text)
-                self._shell(where, f"build/release/partpose config {kind} --config .config.json >.config.out")
+                self._shell(where, f"partpose config {kind} --config .config.json >.config.out")
         elif block.language == "cpp":
             self._cpp(where, "\n".join([*block.marked("given"), text]))
         elif block.language != "text" and not block.marked("file"):
