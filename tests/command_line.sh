@@ -535,8 +535,11 @@ fi
 
 echo "-- bad usage"
 bad "no command" "subcommand" 
-bad "unknown command" "partpose" recognise --models parts "$frame"
-bad "unknown option" "modles" recognize --modles parts "$frame"
+bad "unknown command" 'there is no command recognise; did you mean recognize? (see partpose --help)' recognise --models parts "$frame"
+bad "unknown command of bop" 'there is no command scores; did you mean score? (see partpose bop --help)' bop scores toy
+bad "unknown option" 'there is no option --modles; did you mean --models? (see partpose recognize --help)' recognize --modles parts "$frame"
+bad "unknown option of all" 'did you mean --version' --versoin
+bad "what is missing" 'scenes is required (see partpose recognize --help)' recognize --models parts
 bad "no scenes" "scenes" recognize --models parts
 bad "neither parts nor dataset" "--models" recognize "$frame"
 
