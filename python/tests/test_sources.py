@@ -82,7 +82,7 @@ class SoftwareCamera:
     """A depth camera of the SDK that has no hardware behind it."""
 
     def __init__(self, distortion: float = 0) -> None:
-        self.rs = rs = pytest.importorskip("pyrealsense2")
+        self.rs = rs = pytest.importorskip("pyrealsense2", exc_type=ImportError)
         self.device = rs.software_device()
         self.sensor = self.device.add_sensor("Depth")
         intrinsics = rs.intrinsics()
