@@ -51,7 +51,7 @@ camera='"width": 640, "height": 480, "fx": 615, "fy": 615, "cx": 319.5, "cy": 23
 echo "-- what works"
 good "version" --version
 good "help" --help
-for command in recognize view dataset index evaluate captured scenes experiment sensor inspect symmetry ambiguity report config completion; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
+for command in recognize view live dataset index evaluate captured scenes experiment sensor inspect symmetry ambiguity report config completion; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
 good "recognize a frame" recognize --models parts --jsonl lines.jsonl --pictures pictures "$frame"
 grep -q '"model_name":"bracket"' lines.jsonl || fail "the bracket was not recognized: $(cat lines.jsonl)"
 for key in scene T_final match_distance icp_fitness time_ms; do grep -q "\"$key\":" lines.jsonl || fail "no $key in the JSON line"; done
@@ -151,6 +151,11 @@ good "inspect" inspect parts/link.stl --json
 grep -q '"watertight": true' out.txt || fail "inspect: $(head -c 300 out.txt)"
 good "inspect with views" inspect parts/bracket.stl --views --subdivide 0
 grep -q 'ambiguous  0 of 12' out.txt || fail "inspect --views: $(cat out.txt)"
+good "inspect, a few views by itself" inspect "$root/parts/t_plate.stl"
+grep -q 'ambiguous  1 of 12 views do not tell the pose: ' out.txt || fail "inspect: $(cat out.txt)"
+good "inspect without views" inspect parts/bracket.stl --no-views --json && ! grep -q ambiguous_views out.txt || fail "inspect --no-views: $(cat out.txt)"
+good "inspect of many" inspect "$root"/parts/{bracket,link,flange,housing,t_plate}.stl
+[ "$(grep -c 'ambiguous  not looked for: --views' out.txt)" -eq 5 ] || fail "inspect of many: $(cat out.txt)"
 good "inspect and repair" inspect parts/link.stl --unit in --repair large.stl
 good "what was repaired" inspect large.stl --json
 grep -q '"warnings": \[\]' out.txt || fail "inspect of a repaired file: $(grep -A3 warnings out.txt)"
@@ -200,6 +205,28 @@ for scene in empty point nan plane line same behind; do
   nothing "$scene, no configuration" recognize --models parts --pictures pictures $scene.pcd
   nothing "$scene, by configuration" recognize --dataset dataset --config clouds.json --output iterations $scene.pcd
 done
+
+echo "-- live"
+mkdir frames
+cp "$root/scenes/bracket.png" frames/a.png
+cp "$root/scenes/empty_table.png" frames/b.png
+cp "$root/scenes/bracket.camera.json" frames/camera.json
+good "live" live frames --models parts --json --jsonl live.jsonl
+[ "$(wc -l <out.txt)" -eq 2 ] && cmp -s out.txt live.jsonl || fail "live: $(head -c 300 out.txt)"
+grep -q '^{"frame":0,"timestamp_s":.*"name":"frames/a.png","part":"bracket","camera_from_model":\[\[' out.txt || fail "live: $(head -c 300 out.txt)"
+grep -q '^{"frame":1,.*"part":null,"camera_from_model":null,.*"detections":\[\]' out.txt || fail "live: $(tail -n 1 out.txt)"
+good "live, by the recognizer" live frames --models parts --recognizer recognizer --frames 1
+grep -q '^frames/a.png: bracket at (-5\.' out.txt && [ "$(wc -l <out.txt)" -eq 1 ] || fail "live: $(cat out.txt)"
+echo nothing >frames/aa.png && bad "live, one bad file" "frames/aa.png" live frames --models parts
+[ "$(wc -l <out.txt)" -eq 2 ] || fail "live: the good frames were lost: $(cat out.txt)"
+bad "live, no source" "no such source; give a folder" live relasense --models parts
+bad "live, nothing there" "give --follow" live empty --models parts
+bad "live, a camera followed" "only a folder can be followed" live realsense --follow --models parts
+printf '#!/bin/sh\nPATH=/nowhere exec "%s" "$@"\n' "$partpose" >without_path && chmod +x without_path
+partpose="$work/without_path" bad "live, a camera without Python" "which is not installed here: pip install" live realsense --models parts
+mkdir path && printf '#!/bin/sh\necho "$@"\n' >path/partpose-live && chmod +x path/partpose-live
+PATH="$work/path:$PATH" good "live, a camera" live realsense:12 --models parts --models x.stl --frames 3 --json --threads 2
+grep -qx 'realsense:12 --recognizer engine --frames 3 --threads 2 --json --quiet --models parts x.stl' out.txt || fail "live as Python: $(cat out.txt)"
 
 echo "-- bad configurations"
 config() { sed "$1" "$root/configs/pipeline_virtual.json" >c.json; }
@@ -409,6 +436,12 @@ if command -v script >/dev/null; then
   ! coloured typescript.txt || fail "colours on a dumb terminal"
   on_terminal "$partpose" dataset --models parts --config small.json --output small_again
   grep -q '\[==* *\] [0-9]*/' typescript.txt || fail "no progress bar on a terminal: $(head -c 300 typescript.txt)"
+  for command in "report evaluated" "inspect parts" "sensor fit $root/scenes/empty_table.png --baseline 55 --region 200 240 300 200"; do
+    on_terminal "$partpose" $command
+    grep -q '\[=* *\] [0-9]*/' typescript.txt || fail "$command: no progress bar on a terminal: $(head -c 300 typescript.txt)"
+    on_terminal "$partpose" -q $command
+    ! grep -q '\[=' typescript.txt || fail "$command: a progress bar with --quiet"
+  done
   on_terminal "$partpose" -q dataset --models parts --config small.json --output small_again
   ! grep -q '\[=' typescript.txt || fail "a progress bar with --quiet"
 fi
@@ -433,6 +466,8 @@ complete_as() { # complete_as EXPECTED WORD...: what bash offers for the last wo
 }
 complete_as recognize reco
 complete_as score bop sc
+complete_as live li
+complete_as --follow live --fo
 complete_as --models recognize --mo
 complete_as --threads recognize --th
 complete_as engine recognize --recognizer en
@@ -494,12 +529,17 @@ if command -v python3 >/dev/null; then
   interrupted "experiment" SIGINT 130 'experiment/frames.jsonl' experiment experiment.json -o experiment
   good "experiment goes on" experiment experiment.json -o experiment
   [ "$(grep -c '}$' experiment/frames.jsonl)" -eq 24 ] || fail "experiment: $(grep -c '}$' experiment/frames.jsonl) frames instead of 24"
+  rm -f live.jsonl frames/aa.png
+  interrupted "live, which it is meant to end" SIGINT 0 'live.jsonl' live frames --follow --models parts --jsonl live.jsonl
 fi
 
 echo "-- bad usage"
 bad "no command" "subcommand" 
-bad "unknown command" "partpose" recognise --models parts "$frame"
-bad "unknown option" "modles" recognize --modles parts "$frame"
+bad "unknown command" 'there is no command recognise; did you mean recognize? (see partpose --help)' recognise --models parts "$frame"
+bad "unknown command of bop" 'there is no command scores; did you mean score? (see partpose bop --help)' bop scores toy
+bad "unknown option" 'there is no option --modles; did you mean --models? (see partpose recognize --help)' recognize --modles parts "$frame"
+bad "unknown option of all" 'did you mean --version' --versoin
+bad "what is missing" 'scenes is required (see partpose recognize --help)' recognize --models parts
 bad "no scenes" "scenes" recognize --models parts
 bad "neither parts nor dataset" "--models" recognize "$frame"
 

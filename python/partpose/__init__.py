@@ -3,6 +3,12 @@
 """Which CAD part a depth camera sees, and its 6-DoF pose. Lengths are millimetres; camera frame: x right, y down,
 z forward; poses are camera_from_model, 4 x 4 float64."""
 
+try:
+    from partpose import _partpose as _partpose
+except ImportError as error:
+    if ".so" in str(error):
+        raise ImportError(f"{error}; partpose needs libraries of this system, which its script/setup installs") from error
+    raise
 from partpose import camera as camera
 from partpose import core as core
 from partpose import dataset as dataset

@@ -47,7 +47,5 @@ class Engine(partpose.pipeline.PartRecognizer):
     def __init__(self, catalogue: partpose.pipeline.Catalogue, options: EngineOptions = ...) -> None: ...
 
     @staticmethod
-    def from_files(paths: Sequence[str | os.PathLike[str]], options: EngineOptions = ..., cache_folder: str | os.PathLike[str] | None = None, progress: Callable[[str, int, int], object] | None = None) -> Engine:
-        """
-        Of model files, or folders of them. The catalogue is made on first use and kept under the cache folder.
-        """
+    def from_files(paths: Sequence[str | os.PathLike[str]], options: EngineOptions = ..., progress: Callable[[str, int, int], object] | None = None) -> Engine:
+        """Of model files, or folders of them. Nothing is kept on disk."""

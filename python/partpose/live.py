@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 partpose contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`partpose-live`, or `python -m partpose live`: recognizes frames as a camera gives them."""
+"""`partpose-live`, or `python -m partpose live`: recognizes frames as a camera gives them. The program `partpose live` is the
+same command; it reads folders itself (src/partpose/apps/live_command.cpp) and leaves cameras and recordings to this one."""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from typing import Any, TextIO
 
 from partpose import sources
 from partpose._partpose import __version__
-from partpose.core import Error
+from partpose.core import Error, ThreadLimit
 from partpose.engine import Engine, EngineOptions
 from partpose.pipeline import PartRecognizer, Recognition, Recognizer, RecognizerOptions
 
@@ -27,7 +28,7 @@ _EXAMPLES = """examples:
   partpose-live frames/ --models parts/ --follow --jsonl out.jsonl
                                                                 depth PNGs as some program writes them
 Ctrl-C ends it after the frame at hand. Exit code 0: done, also by Ctrl-C; 2: bad input, with one line that says what is
-wrong; 130: ended by Ctrl-C before the first frame."""
+wrong, also when only some files of a folder could not be read; 130: ended by Ctrl-C before the first frame."""
 
 
 def line_of(frame: sources.Frame, found: Recognition) -> dict[str, Any]:
@@ -85,12 +86,15 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--models", nargs="+", required=True, help="model files, or folders of them")
     parser.add_argument("--recognizer", choices=["engine", "recognizer"], default="engine", help="default: engine")
     parser.add_argument("--min-score", type=float, help="a candidate below is not believed, 0 to 1")
-    parser.add_argument("--cache", help="where catalogues are kept (default: ~/.cache/partpose)")
+    parser.add_argument("--cache", help="where catalogues of the recognizer are kept (default: ~/.cache/partpose)")
     parser.add_argument("--json", action="store_true", help="one line of JSON for each frame, on standard output")
     parser.add_argument("--jsonl", metavar="FILE", help="append the lines of JSON to this file")
     parser.add_argument("--frames", type=int, help="end after so many frames")
     parser.add_argument("--follow", action="store_true", help="of a folder: wait for files to come")
-    parser.add_argument("-q", "--quiet", action="store_true", help="nothing but results")
+    parser.add_argument("--threads", type=int, default=0, help="at most so many threads (0: as many as the machine has)")
+    loudness = parser.add_mutually_exclusive_group()
+    loudness.add_argument("-q", "--quiet", action="store_true", help="nothing but results")
+    loudness.add_argument("-v", "--verbose", action="store_true", help="also how long each step takes")
     parser.add_argument("--version", action="version", version=__version__)
     return parser
 
@@ -98,7 +102,7 @@ def _parser() -> argparse.ArgumentParser:
 def _recognizer(options: argparse.Namespace) -> PartRecognizer:
     kwargs = {} if options.min_score is None else {"min_score": options.min_score}
     if options.recognizer == "engine":
-        return Engine.from_files(options.models, EngineOptions(**kwargs), options.cache)
+        return Engine.from_files(options.models, EngineOptions(**kwargs))
     return Recognizer.from_files(options.models, RecognizerOptions(**kwargs), options.cache)
 
 
@@ -122,14 +126,24 @@ class _Stop:
 def _run(options: argparse.Namespace, output: TextIO) -> int:
     if options.frames is not None and options.frames < 1:
         raise Error(f"--frames: must be 1 or more, got {options.frames}")
-    recognizer = _recognizer(options)
-    with sources.open_source(options.source, follow=options.follow) as source:
+    if options.threads < 0:
+        raise Error(f"--threads: must be 0 or more, got {options.threads}")
+    failures = 0
+    with ThreadLimit(options.threads), sources.open_source(options.source, follow=options.follow) as source:
+        recognizer = _recognizer(options)
         log = open(options.jsonl, "a", encoding="utf-8") if options.jsonl else None
         stop = _Stop()
         begun, count, recognized = time.monotonic(), 0, 0
         try:
             while not stop.asked and count != options.frames:
-                frame = _next(source, stop)
+                try:
+                    frame = _next(source, stop)
+                except Error as error:
+                    if not isinstance(source, sources.DepthFolder):
+                        raise
+                    _complain(error)  # one bad file does not end it
+                    failures += 1
+                    continue
                 if frame is None:
                     break
                 found = recognizer.recognize(frame.depth_mm, frame.intrinsics)
@@ -138,14 +152,21 @@ def _run(options: argparse.Namespace, output: TextIO) -> int:
                 print(line if options.json else _text_of(frame, found), file=output, flush=True)
                 if log is not None:
                     print(line, file=log, flush=True)
+                if options.verbose:
+                    for stage in found.stages:
+                        print(f"{stage.measure_ms:9.1f} ms  {stage.tag}", file=sys.stderr)
         finally:
             stop.restore()
             if log is not None:
                 log.close()
     if not options.quiet:
         seconds = max(time.monotonic() - begun, 1e-9)
-        print(f"{count} frames, {recognized} recognized, {count / seconds:.1f} frames/s", file=sys.stderr)
-    return 0
+        print(f"{count} frame{'s' * (count != 1)}, {recognized} recognized, {count / seconds:.1f} frames/s", file=sys.stderr)
+    return 2 if failures else 0
+
+
+def _complain(error: Exception) -> None:
+    print(f"partpose-live: {error}", file=sys.stderr)
 
 
 def _next(source: sources.Source, stop: _Stop) -> sources.Frame | None:
@@ -175,5 +196,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.close()  # nobody reads any more, as after `| head`
         return 0
     except (Error, OSError) as error:
-        print(f"partpose-live: {error}", file=sys.stderr)
+        _complain(error)
         return 2

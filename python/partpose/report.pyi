@@ -1,4 +1,5 @@
 # Written by script/make_stubs.
+from collections.abc import Callable
 import os
 
 
@@ -23,7 +24,7 @@ class ReportSummary:
 
     def __repr__(self) -> str: ...
 
-def write_report(folder: str | os.PathLike[str], file: str | os.PathLike[str], title: str = '', limit_deg: float = 15.0, limit_mm: float = 15.0, most_bytes: int = 28000000) -> ReportSummary:
+def write_report(folder: str | os.PathLike[str], file: str | os.PathLike[str], title: str = '', limit_deg: float = 15.0, limit_mm: float = 15.0, most_bytes: int = 28000000, progress: Callable[[str, int, int], object] | None = None) -> ReportSummary:
     """
     Makes one self-contained HTML page of an output folder: all frames in numbers, each frame in 3-D. A pose is right below both limits; points and depth images are thinned so that the file stays below `most_bytes`.
     """

@@ -186,6 +186,8 @@ class RealSense(Source):
         try:
             import pyrealsense2 as rs
         except ImportError as error:
+            if not isinstance(error, ModuleNotFoundError):
+                raise Error(f"RealSense: pyrealsense2 cannot be loaded: {error} (libusb: apt-get install libusb-1.0-0)") from error
             raise Error("RealSense: pyrealsense2 is not installed: pip install 'partpose[realsense]'") from error
         self._sensor: Any = None
         self._playback: Any = None

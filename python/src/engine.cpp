@@ -4,9 +4,11 @@
 #include "interruptible.hpp"
 #include "rooms.hpp"
 
+#include "partpose/core/parallel.hpp"
 #include "partpose/engine/engine.hpp"
-#include "partpose/pipeline/catalogue_cache.hpp"
-#include "partpose/pipeline/recognizer.hpp"
+#include "partpose/geometry/symmetry_search.hpp"
+
+#include <mutex>
 
 namespace partpose::python {
 
@@ -19,6 +21,23 @@ struct DescribedEngineOptions : EngineOptions {
     visit("min_score", self.min_score, "least probability that a part is what is seen for it to be believed, 0 to 1");
   }
 };
+
+/// What an Engine needs, and the parts' symmetries, by which a Recognition knows the poses that look the same.
+Catalogue engine_catalogue(const std::vector<std::filesystem::path>& paths, const Progress& progress) {
+  Catalogue catalogue = mesh_catalogue(read_meshes(paths));
+  std::size_t done = 0;
+  std::mutex mutex;
+  parallel_for(catalogue.parts.size(), [&](std::size_t i) {
+    try {
+      catalogue.dataset.out.models[i].symmetries = ModelSymmetries::of(search_symmetries(catalogue.parts[i].mesh));
+    } catch (const Error&) {
+      // A mesh that cannot be searched has none that are known.
+    }
+    const std::lock_guard lock(mutex);
+    progress("finding symmetries", ++done, catalogue.parts.size());
+  });
+  return catalogue;
+}
 
 }  // namespace
 
@@ -36,18 +55,12 @@ void bind_engine(nb::module_& parent) {
            released)
       .def_static(
           "from_files",
-          [](const std::vector<fs::path>& paths, const DescribedEngineOptions& options,
-             const std::optional<fs::path>& cache_folder, const Callback& progress) {
-            const fs::path cache = cache_folder ? *cache_folder : default_cache_folder();
-            return interruptible(progress, [&](const Progress& told) {
-              return new Engine(
-                  cached_catalogue(paths, DatasetPreparationConfig{}, Recognizer::catalogue_config(), cache, told),
-                  options);
-            });
+          [](const std::vector<fs::path>& paths, const DescribedEngineOptions& options, const Callback& progress) {
+            return interruptible(
+                progress, [&](const Progress& told) { return new Engine(engine_catalogue(paths, told), options); });
           },
-          "paths"_a, "options"_a = DescribedEngineOptions{}, "cache_folder"_a = nb::none(), "progress"_a = nb::none(),
-          released,
-          "Of model files, or folders of them. The catalogue is made on first use and kept under the cache folder.");
+          "paths"_a, "options"_a = DescribedEngineOptions{}, "progress"_a = nb::none(), released,
+          "Of model files, or folders of them. Nothing is kept on disk.");
 }
 
 }  // namespace partpose::python

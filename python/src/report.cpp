@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "described.hpp"
+#include "interruptible.hpp"
 #include "rooms.hpp"
 
 #include "partpose/report/report.hpp"
@@ -18,11 +19,13 @@ void bind_report(nb::module_& parent) {
   m.def(
       "write_report",
       [](const std::filesystem::path& folder, const std::filesystem::path& file, const std::string& title,
-         double limit_deg, double limit_mm, std::size_t most_bytes) {
-        return write_report(folder, file, {title, {}, limit_deg, limit_mm, most_bytes});
+         double limit_deg, double limit_mm, std::size_t most_bytes, const Callback& progress) {
+        return interruptible(progress, [&](const Progress& told) {
+          return write_report(folder, file, {title, {}, limit_deg, limit_mm, most_bytes}, told);
+        });
       },
       "folder"_a, "file"_a, "title"_a = "", "limit_deg"_a = ReportOptions{}.limit_deg,
-      "limit_mm"_a = ReportOptions{}.limit_mm, "most_bytes"_a = ReportOptions{}.most_bytes,
+      "limit_mm"_a = ReportOptions{}.limit_mm, "most_bytes"_a = ReportOptions{}.most_bytes, "progress"_a = nb::none(),
       nb::call_guard<nb::gil_scoped_release>(),
       "Makes one self-contained HTML page of an output folder: all frames in numbers, each frame in 3-D. A pose is "
       "right "

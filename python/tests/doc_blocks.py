@@ -2,22 +2,32 @@
 # SPDX-License-Identifier: Apache-2.0
 """The code blocks of a Markdown page, and running them one after the other as a reader would.
 
-A comment before a block says what it is where that is not plain:
-`<!-- not run: reason -->` nothing is done with it; `<!-- output -->` what the block before prints, numbers aside;
-`<!-- file: NAME -->` the block is written into that file."""
+Comments before a block say what it is where that is not plain:
+`<!-- not run: reason -->` nothing is done with it;
+`<!-- checked: reason -->` its programs and the options that it gives them exist, they are not run;
+`<!-- before: COMMAND -->` what a reader has, as files of his own, is made by that command;
+`<!-- given: CODE -->` the same of C++ code;
+`<!-- run with: FROM -> TO -->` it takes long, or changes the system: that is put in another's place;
+`<!-- output -->` what the block before prints, numbers aside;
+`<!-- file: NAME -->` the block is written into that file;
+`<!-- config: KIND -->` it is a configuration of that kind (`partpose config KIND`)."""
 
 import contextlib
 import io
 import json
 import os
 import re
+import shlex
+import shutil
 import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-MARKER = re.compile(r"<!-- (not run: .+|output|file: \S+) -->$")
+MARKER = re.compile(r"<!-- (not run|checked|before|given|run with|output|file|config)(?:: (.+))? -->$")
+PROGRESS = re.compile(r"^[a-z ]+: \d+ of \d+\n", re.M)
+NUMBER = re.compile(r"-?\d(?:[\d.,e+-]*\d)?")
 
 
 @dataclass
@@ -25,33 +35,38 @@ class Block:
     line: int  # of its first line, from 1
     language: str
     text: str
-    marker: str = ""
+    markers: tuple[tuple[str, str], ...] = ()
+
+    def marked(self, kind: str) -> list[str]:
+        """What the markers of that kind say."""
+        return [said for name, said in self.markers if name == kind]
 
 
 def blocks_of(page: str) -> Iterator[Block]:
     """Fenced blocks, and those indented by four spaces after an empty line."""
     lines = page.splitlines()
-    marker, i, in_list = "", 0, False
+    markers: list[tuple[str, str]] = []
+    i, in_list = 0, False
     while i < len(lines):
         line = lines[i]
         fence = re.match(r"(```+)\s*(\S*)", line)
         if fence:
             end = next(j for j in range(i + 1, len(lines)) if lines[j].startswith(fence[1]))
-            yield Block(i + 2, fence[2], "\n".join(lines[i + 1 : end]), marker)
-            marker, i = "", end + 1
-        elif line.startswith("    ") and not in_list and (i == 0 or not lines[i - 1].strip() or marker):
+            yield Block(i + 2, fence[2], "\n".join(lines[i + 1 : end]), tuple(markers))
+            markers, i = [], end + 1
+        elif line.startswith("    ") and not in_list and (i == 0 or not lines[i - 1].strip() or markers):
             end = i
             while end < len(lines) and (lines[end].startswith("    ") or not lines[end].strip()):
                 end += 1
             text = "\n".join(each[4:] for each in lines[i:end]).rstrip()
-            yield Block(i + 1, _guess(text), text, marker)
-            marker, i = "", end
+            yield Block(i + 1, _guess(text), text, tuple(markers))
+            markers, i = [], end
         else:
             found = MARKER.match(line)
             if found:
-                marker = found[1]
+                markers.append((found[1], found[2] or ""))
             elif line.strip():
-                marker = ""
+                markers = []
                 in_list = bool(re.match(r"(\s*)([-*]|\d+\.) ", line)) or (in_list and line.startswith(" "))
             i += 1
 
@@ -72,55 +87,109 @@ class Reader:
 
     def run(self, page: str, block: Block) -> None:
         where = f"{page}:{block.line}"
-        if block.marker.startswith("not run"):
+        if block.marked("not run"):
             return
-        if block.marker == "output":
+        for command in block.marked("before"):
+            self._shell(where, command)
+        text = block.text
+        for change in block.marked("run with"):
+            old, new = change.split(" -> ")
+            assert old in text, f"{where}: {old!r} is not in the block"
+            text = text.replace(old, new)
+        for name in block.marked("file"):
+            (self.folder / name).write_text(text + "\n")
+        if block.marked("output"):
             self._compare(where, block)
-        elif block.marker.startswith("file: "):
-            (self.folder / block.marker[6:]).write_text(block.text + "\n")
+        elif block.marked("checked"):
+            self._check(where, text)
         elif block.language in ("sh", "bash", "shell"):
-            self._shell(where, block)
+            self._shell(where, text)
+        elif block.language == "console":
+            self._console(where, text)
+        elif block.language in ("zsh", "fish"):
+            if shutil.which(block.language):
+                self._shell(where, text, block.language)
         elif block.language == "python":
-            self._python(page, block)
+            self._python(page, block.line, text)
         elif block.language == "json":
-            json.loads(block.text)
+            json.loads(text)
+            for kind in block.marked("config"):
+                (self.folder / ".config.json").write_text(text)
+                self._shell(where, f"partpose config {kind} --config .config.json >.config.out")
         elif block.language == "cpp":
-            self._cpp(where, block)
-        else:
+            self._cpp(where, "\n".join([*block.marked("given"), text]))
+        elif block.language != "text" and not block.marked("file"):
             raise AssertionError(f"{where}: a block of {block.language or 'no language'}: say what it is by a marker")
 
-    def _shell(self, where: str, block: Block) -> None:
+    def _shell(self, where: str, text: str, shell: str = "bash") -> None:
+        if shell != "bash":
+            done = self._run([shell, "-c", text])
+            assert done.returncode == 0, f"{where}: exit code {done.returncode}\n{text}\n{done.stdout}{done.stderr}"
+            return
         after = self.folder / ".after"
-        script = f"set -a  # variables stay, as in a terminal\n{block.text}\n{{ pwd; env -0; }} >'{after}'"
-        done = subprocess.run(
-            ["bash", "-euo", "pipefail", "-c", script], cwd=self.folder, env=self.environment, capture_output=True, text=True
-        )
-        assert done.returncode == 0, f"{where}: exit code {done.returncode}\n{block.text}\n{done.stdout}{done.stderr}"
+        script = f"set -a  # variables stay, as in a terminal\n{text}\n{{ pwd; env -0; }} >'{after}'"
+        done = self._run(["bash", "-euo", "pipefail", "-c", script])
+        assert done.returncode == 0, f"{where}: exit code {done.returncode}\n{text}\n{done.stdout}{done.stderr}"
         self.printed = done.stdout
         pwd, env = after.read_text().split("\n", 1)
         after.unlink()
         self.folder = Path(pwd)
         self.environment = dict(e.split("=", 1) for e in env.split("\0") if "=" in e)
 
-    def _python(self, page: str, block: Block) -> None:
+    def _run(self, command: list[str]) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(command, cwd=self.folder, env=self.environment, capture_output=True, text=True)
+
+    def _console(self, where: str, text: str) -> None:
+        """Commands after `$ `, each followed by what it writes: all of it, numbers and spaces aside; `...` is anything."""
+        for command, said in re.findall(r"^\$ (.*)\n?((?:(?!\$ ).*\n?)*)", text, re.M):
+            done = self._run(["bash", "-c", command])
+            assert done.returncode in (0, 2), f"{where}: {command}: exit code {done.returncode}: {done.stderr}"
+            wanted = ".*".join(re.escape(part) for part in _squeezed(said).split("..."))
+            errors = PROGRESS.sub("", done.stderr)  # a slow machine is told of it
+            assert re.fullmatch(wanted, _squeezed(done.stdout + errors)), (
+                f"{where}: {command}: writes\n{done.stdout}{done.stderr}"
+            )
+
+    def _check(self, where: str, text: str) -> None:
+        """Each program is there, and what it says of itself names the options that it is given."""
+        for line in text.replace("\\\n", " ").splitlines():
+            words = [w for w in shlex.split(line, comments=True) if not re.match(r"\w+=", w)]
+            if not words:
+                continue
+            script = next((w for w in words if (self.folder / w).is_file()), "")
+            program = words[0] if words[0] != "python3" or not script else script
+            assert (self.folder / program).is_file() or shutil.which(program), f"{where}: no program {program}"
+            if Path(program).name == "partpose":
+                commands = words[1 : next((i for i, w in enumerate(words) if w.startswith("-")), len(words))]
+                known = self._run([program, commands[0], "--help"]).stdout
+            elif program == script:
+                known = (self.folder / script).read_text()
+            else:
+                continue
+            for option in (w.split("=")[0] for w in words if w.startswith("-") and w != "-m"):
+                assert re.search(rf"(?<![\w-]){re.escape(option)}\b", known), f"{where}: {program} has no {option}"
+
+    def _python(self, page: str, line: int, text: str) -> None:
         before, environment = os.getcwd(), dict(os.environ)
         os.chdir(self.folder)
         os.environ.update(self.environment)
         said = io.StringIO()
         try:
             with contextlib.redirect_stdout(said):
-                exec(compile("\n" * (block.line - 1) + block.text, page, "exec"), self.names)
+                exec(compile("\n" * (line - 1) + text, page, "exec"), self.names)
         finally:
             os.chdir(before)
             os.environ.clear()
             os.environ.update(environment)
         self.printed = said.getvalue()
 
-    def _cpp(self, where: str, block: Block) -> None:
-        """As a program against the installed library, run where the page is read."""
+    def _cpp(self, where: str, text: str) -> None:
+        """As a program against the installed library, run where the page is read. Lines without a main are its body."""
+        if not re.search(r"\bmain\(", text):
+            text = f"#include <partpose/partpose.hpp>\nusing namespace partpose;\nint main() {{\n{text}\n}}\n"
         project = self.folder / ".cpp"
         project.mkdir(exist_ok=True)
-        (project / "main.cpp").write_text(block.text)
+        (project / "main.cpp").write_text(text)
         (project / "CMakeLists.txt").write_text(
             "cmake_minimum_required(VERSION 3.22)\nproject(page LANGUAGES CXX)\nfind_package(partpose REQUIRED)\n"
             "add_executable(page main.cpp)\ntarget_link_libraries(page PRIVATE partpose::partpose)\n"
@@ -132,7 +201,7 @@ class Reader:
             [project / "build" / "page"],
         )
         for step in steps:
-            done = subprocess.run(step, cwd=self.folder, env=self.environment, capture_output=True, text=True)
+            done = self._run([str(word) for word in step])
             assert done.returncode == 0, f"{where}: {done.stdout}{done.stderr}"
         self.printed = done.stdout
 
@@ -143,5 +212,9 @@ class Reader:
 
 
 def _without_numbers(text: str) -> list[str]:
-    lines = (re.sub(r"\s*-?\d[\d.,e+-]*", " #", line) for line in text.splitlines())
+    lines = (re.sub(rf"\s*{NUMBER.pattern}", " #", line) for line in text.splitlines())
     return [re.sub(r"\s+", " ", line).strip() for line in lines if line.strip()]
+
+
+def _squeezed(text: str) -> str:
+    return re.sub(r"\s+", "", NUMBER.sub("#", text))

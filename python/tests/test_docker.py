@@ -4,7 +4,11 @@
 
 import os
 import re
+import shutil
+import subprocess
 from pathlib import Path
+
+import pytest
 
 
 def instructions(root: Path) -> list[tuple[str, str]]:
@@ -32,3 +36,15 @@ def test_the_system_is_one_that_setup_knows(root: Path) -> None:
     assert first[0] == "FROM" and first[1].startswith("debian:12") and "Debian 12" in (root / "script" / "setup").read_text()
     ignored = (root / "docker" / "Dockerfile.dockerignore").read_text().split()
     assert "build" in ignored and "parts" not in ignored
+
+
+def test_the_packages_exist(root: Path) -> None:
+    """Those that setup installs, by the package lists of this machine."""
+    setup = (root / "script" / "setup").read_text()
+    packages = setup.split("packages=(")[1].split(")")[0].replace('"$@"', "").split()
+    assert len(packages) > 10 and "g++" in packages
+    if not shutil.which("apt-cache"):
+        pytest.skip("needs apt-cache")
+    told = subprocess.run(["apt-cache", "policy", *packages], capture_output=True, text=True).stdout
+    candidates = dict(re.findall(r"^(\S+):\n  Installed: .*\n  Candidate: (.*)$", told, re.M))
+    assert [p for p in packages if candidates.get(p, "(none)") == "(none)"] == []

@@ -12,9 +12,12 @@ from partpose.core import Error
 
 
 @pytest.fixture(scope="module")
-def small_engine(tmp_path_factory: pytest.TempPathFactory) -> partpose.Engine:
+def small_engine() -> partpose.Engine:
     files = [ROOT / "parts" / f"{name}.stl" for name in ("bracket", "flange")]
-    return partpose.Engine.from_files(files, cache_folder=tmp_path_factory.mktemp("cache"))
+    told: list[tuple[str, int, int]] = []
+    made = partpose.Engine.from_files(files, progress=lambda *step: told.append(step))
+    assert told == [("finding symmetries", 1, 2), ("finding symmetries", 2, 2)]
+    return made
 
 
 def test_the_engine_recognizes(
@@ -52,6 +55,11 @@ def test_detections(
     assert recognizer.recognize(bracket_scene).confidence is None
 
 
+def test_the_engine_knows_poses_that_look_the_same(small_engine: partpose.Engine) -> None:
+    found = small_engine.recognize(partpose.read_scene(ROOT / "scenes" / "flange.png"))
+    assert found.part == "flange" and len(found.equivalent_poses()) == 6  # it has six equal holes
+
+
 def test_nothing_has_no_detections(small_engine: partpose.Engine, bracket_scene: io.Scene) -> None:
     camera = bracket_scene.intrinsics
     assert camera is not None
@@ -74,7 +82,11 @@ def test_reports(tmp_path: Path, recognizer: partpose.Recognizer, bracket_scene:
     config = pipeline.GlobalPipelineConfig()
     found = recognizer.recognize(bracket_scene)
     pipeline.write_iteration(tmp_path / "out", found, bracket_scene, recognizer.catalogue, config)
-    summary = report.write_report(tmp_path / "out", tmp_path / "report.html", title="one frame")
+    told: list[tuple[str, int, int]] = []
+    summary = report.write_report(
+        tmp_path / "out", tmp_path / "report.html", title="one frame", progress=lambda *step: told.append(step)
+    )
+    assert told == [("reading frames", 1, 1), ("packing frames", 1, 1)]
     assert isinstance(summary, report.ReportSummary) and summary.frames == 1 and not summary.thinned
     assert summary.bytes == (tmp_path / "report.html").stat().st_size and summary.problems == []
     report.write_report(tmp_path / "out", tmp_path / "other.html", title="another title")

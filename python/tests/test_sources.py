@@ -82,7 +82,7 @@ class SoftwareCamera:
     """A depth camera of the SDK that has no hardware behind it."""
 
     def __init__(self, distortion: float = 0) -> None:
-        self.rs = rs = pytest.importorskip("pyrealsense2")
+        self.rs = rs = pytest.importorskip("pyrealsense2", exc_type=ImportError)
         self.device = rs.software_device()
         self.sensor = self.device.add_sensor("Depth")
         intrinsics = rs.intrinsics()
@@ -248,6 +248,50 @@ def test_live_prints_a_line_for_each_frame(root: Path, cache: Path, tmp_path: Pa
     assert done.stderr.startswith("2 frames, 1 recognized")
     plain = run(root, cache, tmp_path, "--frames", 1, "--recognizer", "recognizer", "-q")
     assert plain.stdout.startswith(f"{tmp_path / 'bracket.png'}: bracket at (-5.") and plain.stderr == ""
+
+
+def test_the_program_live_writes_the_same_lines(root: Path, cache: Path, tmp_path: Path) -> None:
+    program = root / "build" / "release" / "partpose"
+    if not program.exists():
+        pytest.skip("needs the built command line, as script/test_python makes it")
+    for name in ("bracket", "empty_table"):
+        for ending in (".png", ".camera.json"):
+            shutil.copy(root / "scenes" / f"{name}{ending}", tmp_path)
+    for recognizer in ("engine", "recognizer"):
+        arguments = [tmp_path, "--json", "--recognizer", recognizer]
+        by_package = run(root, cache, *arguments).stdout.splitlines()
+        models = ["--models", root / "parts" / "bracket.stl", "--models", root / "parts" / "flange.stl"]
+        command = [program, "live", *arguments, "--cache", cache, *models]
+        by_program = subprocess.run([str(c) for c in command], capture_output=True, text=True).stdout.splitlines()
+        assert len(by_package) == len(by_program) == 2
+        for one, other in zip(map(json.loads, by_package), map(json.loads, by_program)):
+            assert list(one) == list(other)
+            for line in (one, other):
+                assert line.pop("time_ms") > 0
+            assert close(one, other)
+
+
+def close(one: Any, other: Any) -> bool:
+    """The same JSON, numbers to five digits."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return list(one) == list(other) and all(close(one[key], other[key]) for key in one)
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(close, one, other))
+    if isinstance(one, float) and isinstance(other, float):
+        return abs(one - other) <= 1e-5 * max(1, abs(one))
+    return bool(one == other)
+
+
+def test_one_bad_file_of_a_folder_does_not_end_live(root: Path, cache: Path, tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_text("no picture")
+    for ending in (".png", ".camera.json"):
+        shutil.copy(root / "scenes" / f"bracket{ending}", tmp_path)
+    shutil.copy(root / "scenes" / "bracket.camera.json", tmp_path / "camera.json")
+    done = run(root, cache, tmp_path, "-q", "-v")
+    assert done.returncode == 2 and "not allowed with" in done.stderr
+    done = run(root, cache, tmp_path, "-v", "--threads", 1)
+    assert done.returncode == 2 and "bracket at (-5." in done.stdout and " ms  " in done.stderr
+    assert done.stderr.startswith(f"partpose-live: {tmp_path / 'a.png'}: ") and "1 frame, 1 recognized" in done.stderr
 
 
 def test_live_says_what_is_wrong_in_one_line(root: Path, cache: Path, tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ void add_dataset_commands(CLI::App& app, const Common& common);
 void add_evaluate_command(CLI::App& app, const Common& common);
 void add_experiment_command(CLI::App& app, const Common& common);
 void add_inspect_command(CLI::App& app, const Common& common);
+void add_live_command(CLI::App& app, const Common& common);
 void add_recognize_command(CLI::App& app, const Common& common);
 void add_report_command(CLI::App& app, const Common& common);
 void add_scenes_command(CLI::App& app, const Common& common);

@@ -35,9 +35,13 @@ struct InspectArguments {
   MeshReadOptions reading;
   fs::path repair, camera;
   std::string unit;
-  bool views = false, json = false;
+  bool json = false;
+  std::optional<bool> views;  ///< by itself: a few views of a few parts, as that takes a second for each
   IcosahedronOptions icosahedron;
 };
+
+/// Parts of which views are compared without being asked to.
+constexpr std::size_t few_parts = 4;
 
 /// What is known of one part.
 struct PartReport {
@@ -134,7 +138,9 @@ void find_ambiguous_views(const NamedMesh& part, const InspectArguments& argumen
   const Intrinsics camera = arguments.camera.empty() ? default_camera() : read_camera(arguments.camera).intrinsics;
   const Symmetries symmetries = report.symmetry ? report.symmetry->found.symmetries : Symmetries{};
   const AmbiguitySearch search({{part.name, part.mesh, symmetries}}, camera);
-  const auto views = icosahedron_views(arguments.icosahedron);
+  IcosahedronOptions icosahedron = arguments.icosahedron;
+  if (!arguments.views) icosahedron.subdivide = 0;
+  const auto views = icosahedron_views(icosahedron);
   const Progress progress = terminal_progress(common);
   std::vector<char> is_ambiguous(views.size(), 0);
   std::mutex mutex;
@@ -150,7 +156,7 @@ void find_ambiguous_views(const NamedMesh& part, const InspectArguments& argumen
     if (is_ambiguous[v]) report.ambiguous_views->push_back(views[v].id);
 }
 
-PartReport inspect(const NamedMesh& part, const InspectArguments& arguments, const Common& common) {
+PartReport inspect(const NamedMesh& part, const InspectArguments& arguments, bool with_views, const Common& common) {
   PartReport report;
   report.mesh = inspect_mesh(part.mesh);
   if (lower_case_ending(part.file) == ".stl") report.stored_normals = stl_normals(part.file);
@@ -160,7 +166,7 @@ PartReport inspect(const NamedMesh& part, const InspectArguments& arguments, con
   } catch (const Error& error) {
     report.symmetry_failure = error.what();
   }
-  if (arguments.views) find_ambiguous_views(part, arguments, common, report);
+  if (with_views) find_ambiguous_views(part, arguments, common, report);
   report.warnings = warnings_of(part, report);
   return report;
 }
@@ -177,6 +183,8 @@ void print(const NamedMesh& part, const PartReport& report) {
     const auto& ids = *report.ambiguous_views;
     fmt::print("    ambiguous  {} of {} views do not tell the pose{}{}\n", ids.size(), report.views,
                ids.empty() ? "" : ": ", fmt::join(ids, " "));
+  } else {
+    fmt::print("    ambiguous  not looked for: --views\n");
   }
   for (const auto& warning : report.warnings)
     fmt::print("    {} {}\n", coloured(stdout, Colour::yellow, "warning:"), warning);
@@ -272,7 +280,8 @@ void inspect_all(const InspectArguments& arguments, const Common& common) {
       if (!arguments.json) fmt::print("{}: {} part{}\n", file.string(), parts.size(), parts.size() == 1 ? "" : "s");
       for (auto& part : parts) {
         convert(part.mesh, arguments.unit);
-        const PartReport report = inspect(part, arguments, common);
+        const bool few = files.size() + parts.size() - 1 <= few_parts;
+        const PartReport report = inspect(part, arguments, arguments.views.value_or(few), common);
         if (arguments.json)
           all["parts"].push_back(json_of(part, report));
         else
@@ -309,7 +318,15 @@ void add_inspect_command(CLI::App& app, const Common& common) {
       "Write the part, repaired as far as its shape stays, as STL here; into a folder (FOLDER/) all parts");
   inspect->add_option("--unit", arguments->unit, "Take the coordinates read for this unit: mm, cm, m, in or um")
       ->check(CLI::IsMember({"mm", "cm", "m", "in", "um"}));
-  inspect->add_flag("--views", arguments->views, "Also find the views that do not tell the pose (slow)");
+  auto* views = inspect->add_flag_callback(
+      "--views", [arguments] { arguments->views = true; },
+      fmt::format("Find the views that do not tell the pose, some seconds a part (by itself: of {} parts at most, 12 "
+                  "views each)",
+                  few_parts));
+  inspect
+      ->add_flag_callback(
+          "--no-views", [arguments] { arguments->views = false; }, "Do not look for them")
+      ->excludes(views);
   inspect->add_option("--camera", arguments->camera,
                       "Camera JSON for --views (default: 640 x 480, focal length 615 px)");
   inspect->add_option("--distance", arguments->icosahedron.capture_distance_mm, "From the camera for --views [mm]")
@@ -320,7 +337,9 @@ void add_inspect_command(CLI::App& app, const Common& common) {
   add_reading_options(*inspect, arguments->reading);
   inspect->footer(
       "Examples:\n"
-      "  partpose inspect parts/\n"
+      "  partpose inspect parts/flange.stl\n"
+      "  partpose inspect parts/ --views                       # also the views that do not tell the pose, of all "
+      "parts\n"
       "  partpose inspect motor.step --split solid --chord-tolerance 0.02\n"
       "  partpose inspect part_in_inches.stl --unit in --repair part.stl\n"
       "  partpose inspect parts/ --repair repaired/\n"

@@ -55,6 +55,8 @@ void check_not_interrupted() {
 
 int exit_code_of_signal() { return signal_that_came == 0 ? 0 : 128 + signal_that_came; }
 
+void accept_signal() { signal_that_came = 0; }
+
 Unfinished::Unfinished() { ++unfinished; }
 Unfinished::~Unfinished() { --unfinished; }
 

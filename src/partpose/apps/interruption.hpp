@@ -19,6 +19,9 @@ void check_not_interrupted();
 /// 128 + the number of the signal that came; 0: none.
 int exit_code_of_signal();
 
+/// For commands that go on until a signal ends them: the one that came, if any, was meant so.
+void accept_signal();
+
 /// While it lives there is half-written output that must not be left behind.
 class Unfinished {
  public:

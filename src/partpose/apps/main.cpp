@@ -6,19 +6,56 @@
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/parallel.hpp"
+#include "partpose/core/text.hpp"
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace {
 
 int fail(const std::string& message, int exit_code = partpose::apps::bad_input) {
   partpose::apps::complain(message);
   return exit_code;
+}
+
+/// What is wrong with the command line: a word that is no command or no option, with the nearest that is; else what the
+/// parser says.
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error, const std::vector<std::string>& words) {
+  const CLI::App* command = &app;
+  std::string path = "partpose";
+  auto rest = words.begin();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().back();
+    path += " " + command->get_name();
+    rest = std::find(rest, words.end(), command->get_name());
+  }
+  std::vector<std::string> commands, options;
+  for (const CLI::App* sub : command->get_subcommands([](const CLI::App*) { return true; }))
+    commands.push_back(sub->get_name());
+  for (const CLI::App* of : {command, &app})
+    for (const CLI::Option* option : of->get_options([](const CLI::Option* o) { return o->nonpositional(); }))
+      for (const auto& name : option->get_lnames()) options.push_back("--" + name);
+  const auto unknown = [&](const char* what, const std::string& word, const std::vector<std::string>& known) {
+    return fmt::format("there is no {} {}; did you mean {}? (see {} --help)", what, word,
+                       partpose::nearest_word(word, known), path);
+  };
+  if (command != &app) ++rest;
+  for (; rest != words.end() && *rest != "--"; ++rest) {
+    const std::string word = rest->substr(0, rest->find('='));
+    if (word.starts_with("--") && std::find(options.begin(), options.end(), word) == options.end())
+      return unknown("option", word, options);
+    if (!commands.empty() && std::isalpha(static_cast<unsigned char>(word[0])))
+      return unknown("command", word, commands);
+  }
+  return fmt::format("{} (see {} --help)", error.what(), path);
 }
 
 }  // namespace
@@ -40,6 +77,7 @@ int main(int argc, char** argv) {
       "Examples:\n"
       "  partpose recognize --models parts/ frame.png          # which part is it, and where\n"
       "  partpose view --models parts/ frame.png               # the same as a page to look at, in 3-D\n"
+      "  partpose live realsense --models parts/               # the frames of a camera, as they come\n"
       "  partpose dataset --models parts/ --output dataset/    # views of all parts, for the commands below\n"
       "  partpose config --output pipeline.json                # every key of the pipeline, explained\n"
       "  partpose index --dataset dataset/                     # descriptors of the views\n"
@@ -60,6 +98,7 @@ int main(int argc, char** argv) {
   app.parse_complete_callback([&] { limit = std::make_unique<ThreadLimit>(common.threads); });
   apps::add_recognize_command(app, common);
   apps::add_view_command(app, common);
+  apps::add_live_command(app, common);
   apps::add_inspect_command(app, common);
   apps::add_config_command(app);
   apps::add_dataset_commands(app, common);
@@ -82,7 +121,7 @@ int main(int argc, char** argv) {
     return fail("interrupted", apps::exit_code_of_signal());
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    return fail(fmt::format("{} (see partpose --help)", error.what()));
+    return fail(usage_error(app, error, {argv + 1, argv + argc}));
   } catch (const Error& error) {
     return fail(error.what());
   } catch (const std::filesystem::filesystem_error& error) {

@@ -3,6 +3,7 @@
 #include "recognition_output.hpp"
 
 #include "output.hpp"
+#include "terminal.hpp"
 
 #include "partpose/pipeline/picture.hpp"
 #include "partpose/preprocess/segmentation.hpp"
@@ -120,6 +121,14 @@ std::string text_for_people(const std::filesystem::path& scene, const Recognitio
 
 void print_for_people(const std::filesystem::path& scene, const Recognition& recognition, const Catalogue& catalogue) {
   fmt::print("{}", text_for_people(scene, recognition, catalogue));
+}
+
+void note_stages(const Common& common, const Recognition& recognition) {
+  for (const auto& stage : recognition.stages)
+    note(common, fmt::format("{:9.1f} ms  {}{}", stage.measure_ms, stage.tag,
+                             stage.points_in && stage.points_out
+                                 ? fmt::format(": {} points -> {}", *stage.points_in, *stage.points_out)
+                                 : ""));
 }
 
 ColourImage picture_of(const Scene& scene, const Recognition& recognition, const Catalogue& catalogue) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "commands.hpp"
+
 #include "partpose/core/error.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/png.hpp"
@@ -24,6 +26,9 @@ void print_pose(const Eigen::Isometry3d& pose);
 void print_for_people(const std::filesystem::path& scene, const Recognition& recognition, const Catalogue& catalogue);
 std::string text_for_people(const std::filesystem::path& scene, const Recognition& recognition,
                             const Catalogue& catalogue);
+
+/// How long each step took, with --verbose.
+void note_stages(const Common& common, const Recognition& recognition);
 
 /// Runs `body`; an Error it throws gets the scene's name before it.
 template <typename Body>

@@ -64,11 +64,7 @@ void recognize_all(RecognizeArguments arguments, const Common& common) {
       if (jsonl) *jsonl << json_line(line_of(path, recognition, catalogue)) << std::endl;
       if ((!common.quiet && !arguments.json) || chosen.config.debug.result_to_cout)
         print_for_people(path, recognition, catalogue);
-      for (const auto& stage : recognition.stages)
-        note(common, fmt::format("{:9.1f} ms  {}{}", stage.measure_ms, stage.tag,
-                                 stage.points_in && stage.points_out
-                                     ? fmt::format(": {} points -> {}", *stage.points_in, *stage.points_out)
-                                     : ""));
+      note_stages(common, recognition);
       if (!arguments.output.empty()) {
         const DebugOptions& debug = chosen.config.debug;
         const fs::path iteration = write_iteration(arguments.output, recognition, scene, catalogue, chosen.config);

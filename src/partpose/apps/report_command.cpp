@@ -28,7 +28,7 @@ void make_report(const ReportArguments& arguments, const Common& common) {
   const fs::path file = arguments.output.empty() ? arguments.folder / "report.html" : arguments.output;
   ReportOptions options = arguments.options;
   options.most_bytes = static_cast<std::size_t>(arguments.most_mb * 1e6);
-  const ReportSummary summary = write_report(arguments.folder, file, options);
+  const ReportSummary summary = write_report(arguments.folder, file, options, terminal_progress(common));
   for (const auto& problem : summary.problems) complain(fmt::format("left out: {}", problem));
   if (arguments.json)
     print_json({{"report", file.string()},

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands.hpp"
 #include "output.hpp"
+#include "terminal.hpp"
 
 #include "partpose/camera/sensor_fit.hpp"
 #include "partpose/core/error.hpp"
@@ -55,12 +55,13 @@ void print_for_people(const StereoSensorFit& fit) {
   fmt::print("\n\"noise\": {}\n", Json{{"model", "stereo"}, {"stereo", to_json(fit.stereo)}}.dump(2));
 }
 
-void fit_sensor(const FitArguments& arguments) {
+void fit_sensor(const FitArguments& arguments, const Common& common) {
   SensorFitOptions options;
   options.baseline_mm = arguments.baseline_mm;
   if (!arguments.region_px.empty()) std::copy_n(arguments.region_px.begin(), 4, options.region_px.begin());
   std::vector<DepthImage> frames;
   CameraFile camera;
+  const Progress progress = terminal_progress(common);
   for (const auto& path : arguments.walls) {
     check_is_file(path);
     const fs::path camera_path = arguments.camera.empty() ? camera_file_of(path) : arguments.camera;
@@ -73,6 +74,7 @@ void fit_sensor(const FitArguments& arguments) {
     if (frames.back().width != camera.intrinsics.width || frames.back().height != camera.intrinsics.height)
       throw Error("{}: is {} x {} px, its camera {} says {} x {} px", path.string(), frames.back().width,
                   frames.back().height, camera_path.string(), camera.intrinsics.width, camera.intrinsics.height);
+    progress("reading frames", frames.size(), arguments.walls.size());
   }
   if (options.baseline_mm == 0) options.baseline_mm = camera.baseline_mm.value_or(0);
   if (options.baseline_mm == 0)
@@ -80,7 +82,7 @@ void fit_sensor(const FitArguments& arguments) {
   options.depth_unit_mm = camera.depth_scale_mm;
   StereoSensorFit fit;
   try {
-    fit = fit_stereo_sensor(frames, camera.intrinsics, options);
+    fit = fit_stereo_sensor(frames, camera.intrinsics, options, progress);
   } catch (const Error& error) {
     throw Error("{}: {}", arguments.walls.front().string(), error.what());
   }
@@ -91,7 +93,7 @@ void fit_sensor(const FitArguments& arguments) {
 
 }  // namespace
 
-void add_sensor_command(CLI::App& app, const Common&) {
+void add_sensor_command(CLI::App& app, const Common& common) {
   auto* sensor = app.add_subcommand("sensor", "Noise figures of a depth camera");
   sensor->require_subcommand(1);
   auto arguments = std::make_shared<FitArguments>();
@@ -119,7 +121,7 @@ void add_sensor_command(CLI::App& app, const Common&) {
       "lie,\n"
       "tells most. The printed section goes into \"virtual_depth_camera\" of a dataset configuration; see "
       "docs/sensor.md.");
-  fit->callback([arguments] { fit_sensor(*arguments); });
+  fit->callback([arguments, &common] { fit_sensor(*arguments, common); });
 }
 
 }  // namespace partpose::apps

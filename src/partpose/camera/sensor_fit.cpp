@@ -326,7 +326,7 @@ double rounded(double value, int digits = 3) {
 }  // namespace
 
 StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intrinsics& camera,
-                                  const SensorFitOptions& options) {
+                                  const SensorFitOptions& options, const Progress& progress) {
   camera.check();
   if (!(options.baseline_mm > 0) || !std::isfinite(options.baseline_mm))
     throw Error("sensor fit: no baseline: give the distance between the camera's imagers in mm (D415: 55)");
@@ -344,6 +344,12 @@ StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intr
 
   StereoSensorFit fit;
   fit.frames = static_cast<int>(frames.size());
+  // The wall in each frame, then its slow part, the residuals' correlation and, of several frames, their changes'.
+  const std::size_t steps = frames.size() + (frames.size() > 1 ? 3 : 2);
+  std::size_t step = 0;
+  const auto step_done = [&] {
+    if (progress) progress("fitting the wall", ++step, steps);
+  };
   const Region region = region_of(options.region_px, camera);
   const double focal_baseline = camera.fx * options.baseline_mm;
   const auto region_pixels = static_cast<double>(region.width) * region.height;
@@ -389,6 +395,7 @@ StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intr
       throw Error("sensor fit: frame {} does not show the wall of the first one: the camera must not move",
                   walls.size() + 1);
     walls.push_back(std::move(wall));
+    step_done();
   }
   fit.pixels = walls[0].pixels;
   fit.fill_rate = measured / (region_pixels * fit.frames);
@@ -409,6 +416,7 @@ StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intr
   // A slow surface for each 40 px or so, at most what the static pattern needs.
   const int order = std::clamp(std::min(region.width, region.height) / 40, 1, 8);
   const SlowPart slow = SlowPartFit(mean, order).fit();
+  step_done();
 
   const float missing = std::numeric_limits<float>::quiet_NaN();
   std::vector<std::vector<float>> residuals;
@@ -436,6 +444,7 @@ StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intr
 
   constexpr int lags = 25;
   const auto covariance = autocovariance(residuals, region.width, region.height, lags);
+  step_done();
   const double pixels = fit.pixels;
   const Correlation correlation = fit_correlation(covariance, slow.parameters / pixels, pixels);
   const double white = std::max(0.0, covariance[0] - correlation.variance - rounding_variance);
@@ -456,6 +465,7 @@ StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intr
         change[p] = (change[p] - residuals[f - 1][p]) / std::numbers::sqrt2_v<float>;
     }
     const auto temporal = autocovariance(changes, region.width, region.height, lags);
+    step_done();
     const Correlation changing = fit_correlation(temporal, 0, pixels);
     const double temporal_px = std::sqrt(std::max(0.0, temporal[0] - rounding_variance));
     fit.temporal_noise_px = rounded(temporal_px);

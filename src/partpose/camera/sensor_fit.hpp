@@ -4,6 +4,7 @@
 
 #include "partpose/camera/stereo_sensor.hpp"
 #include "partpose/core/depth_image.hpp"
+#include "partpose/core/progress.hpp"
 
 #include <array>
 #include <optional>
@@ -73,6 +74,6 @@ struct StereoSensorFit {
 /// `region_px`). The camera must not have moved between them. Throws Error when there is no baseline, fewer than 2,000
 /// measured pixels, or no plane that four fifths of them lie on.
 StereoSensorFit fit_stereo_sensor(std::span<const DepthImage> frames, const Intrinsics& camera,
-                                  const SensorFitOptions& options);
+                                  const SensorFitOptions& options, const Progress& progress = {});
 
 }  // namespace partpose

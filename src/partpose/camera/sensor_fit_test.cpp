@@ -111,7 +111,13 @@ TEST(SensorFit, OfARegion) {
   SensorFitOptions options;
   options.baseline_mm = 55;
   options.region_px = {320, 60, 300, 360};
-  EXPECT_NEAR(fit_stereo_sensor(frames, vga, options).disparity_noise_px, 0.08, 0.008);
+  std::vector<std::size_t> told;
+  const auto progress = [&](std::string_view, std::size_t done, std::size_t total) {
+    EXPECT_EQ(total, 3u);
+    told.push_back(done);
+  };
+  EXPECT_NEAR(fit_stereo_sensor(frames, vga, options, progress).disparity_noise_px, 0.08, 0.008);
+  EXPECT_EQ(told, (std::vector<std::size_t>{1, 2, 3}));
   options.region_px = {320, 60, 400, 360};
   EXPECT_PRED2(mentions, error_of([&] { fit_stereo_sensor(frames, vga, options); }), "region 320 60 400 360");
 }

@@ -158,7 +158,9 @@ void judge(SavedFrame& frame) {
 
 class Reader {
  public:
-  explicit Reader(const fs::path& folder) : top_(fs::weakly_canonical(folder)) { out_.folder = folder; }
+  Reader(const fs::path& folder, const Progress& progress) : top_(fs::weakly_canonical(folder)), progress_(progress) {
+    out_.folder = folder;
+  }
 
   OutputFolder read() {
     std::vector<fs::path> iterations, experiments;
@@ -171,6 +173,7 @@ class Reader {
     if (error) throw Error("{}: cannot be read: {}", out_.folder.string(), error.message());
     std::sort(iterations.begin(), iterations.end());
     std::sort(experiments.begin(), experiments.end());
+    total_ = iterations.size();
     for (const auto& path : experiments) read_lines(path);
     for (const auto& folder : iterations)
       if (!taken_.contains(folder)) add_iteration(folder);
@@ -215,6 +218,7 @@ class Reader {
     frame.depth_camera = if_there(folder / "scene_depth.camera.json");
     frame.result_cloud = if_there(folder / "result_full.ply");
     frame.config = if_there(folder / "used_pipeline_config.json");
+    if (progress_ && done_ < total_) progress_("reading frames", ++done_, total_);
   }
 
   void finish(SavedFrame frame) {
@@ -284,6 +288,8 @@ class Reader {
   }
 
   fs::path top_;
+  const Progress& progress_;
+  std::size_t done_ = 0, total_ = 0;
   OutputFolder out_;
   std::set<fs::path> taken_;
 };
@@ -306,9 +312,9 @@ const char* name_of(Verdict verdict) {
   return "";
 }
 
-OutputFolder read_output_folder(const fs::path& folder) {
+OutputFolder read_output_folder(const fs::path& folder, const Progress& progress) {
   if (!fs::is_directory(folder)) throw Error("{}: no such folder", folder.string());
-  return Reader(folder).read();
+  return Reader(folder, progress).read();
 }
 
 }  // namespace partpose

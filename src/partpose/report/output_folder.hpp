@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/core/progress.hpp"
+
 #include <Eigen/Geometry>
 
 #include <filesystem>
@@ -82,6 +84,6 @@ struct OutputFolder {
 /// Reads whatever partpose wrote below `folder`: iteration folders (they hold a result.json) wherever they are, and
 /// frames.jsonl of experiments, whose lines may name an iteration folder. A broken file is noted in `problems` and does
 /// not hide the rest. Throws Error when there is no such folder, or no frame in it.
-OutputFolder read_output_folder(const std::filesystem::path& folder);
+OutputFolder read_output_folder(const std::filesystem::path& folder, const Progress& progress = {});
 
 }  // namespace partpose

@@ -99,7 +99,8 @@ PointCloud without(const PointCloud& all, const PointCloud& kept) {
 
 class ReportWriter {
  public:
-  ReportWriter(OutputFolder saved, const ReportOptions& options) : saved_(std::move(saved)), options_(options) {}
+  ReportWriter(OutputFolder saved, const ReportOptions& options, const Progress& progress)
+      : saved_(std::move(saved)), options_(options), progress_(progress) {}
 
   std::string page() {
     const auto& frames = saved_.frames;
@@ -118,7 +119,12 @@ class ReportWriter {
     const std::size_t most_for_one = std::min<std::size_t>(left / frames.size(), 3'000'000);
 
     std::vector<std::string> packed(frames.size());
-    parallel_for(frames.size(), [&](std::size_t i) { packed[i] = packed_frame(frames[i], most_for_one); });
+    std::size_t done = 0;
+    parallel_for(frames.size(), [&](std::size_t i) {
+      packed[i] = packed_frame(frames[i], most_for_one);
+      const std::scoped_lock lock(mutex_);
+      if (progress_) progress_("packing frames", ++done, frames.size());
+    });
     for (std::size_t i = 0; i < packed.size(); ++i) add_block(fmt::format("frame{}", i), packed[i]);
     Json index = index_of_frames();
     index["meshes"] = std::move(mesh_list);
@@ -379,6 +385,7 @@ class ReportWriter {
 
   OutputFolder saved_;
   const ReportOptions& options_;
+  const Progress& progress_;
   Shared meshes_, configs_;
   std::map<std::string, int> mesh_of_part_;
   std::map<std::string, int> config_of_;
@@ -403,9 +410,10 @@ void ReportOptions::check() const {
   if (!(limit_mm >= 0)) throw Error("limit_mm {}: must be 0 or more", limit_mm);
 }
 
-ReportSummary write_report(const fs::path& folder, const fs::path& file, const ReportOptions& options) {
+ReportSummary write_report(const fs::path& folder, const fs::path& file, const ReportOptions& options,
+                           const Progress& progress) {
   options.check();
-  ReportWriter writer(read_output_folder(folder), options);
+  ReportWriter writer(read_output_folder(folder, progress), options, progress);
   const std::string page = writer.page();
   write_file_atomically(file, page);
   ReportSummary summary = writer.summary();

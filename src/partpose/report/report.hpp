@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "partpose/core/progress.hpp"
 #include "partpose/pipeline/config.hpp"
 
 #include <cstddef>
@@ -46,6 +47,6 @@ struct ReportSummary {
 /// Makes one self-contained HTML page of an output folder: all frames in numbers, each frame in 3-D. The same folder
 /// gives the same bytes. Throws Error when the folder holds no frame, and when the file cannot be written.
 ReportSummary write_report(const std::filesystem::path& folder, const std::filesystem::path& file,
-                           const ReportOptions& options = {});
+                           const ReportOptions& options = {}, const Progress& progress = {});
 
 }  // namespace partpose

@@ -351,8 +351,16 @@ TEST(Report, TheSameFolderGivesTheSameBytesWithAnyNumberOfThreads) {
     write_ply(folder.path() / std::to_string(i) / "scene_cloud_w_normals.ply", random_cloud(3000, i));
   }
   const TemporaryFolder out;
-  const ReportSummary summary = write_report(folder.path(), out.path() / "a.html");
+  std::map<std::string, std::vector<std::size_t>> told;
+  const auto progress = [&](std::string_view what, std::size_t done, std::size_t total) {
+    EXPECT_EQ(total, 5u);
+    told[std::string(what)].push_back(done);
+  };
+  const ReportSummary summary = write_report(folder.path(), out.path() / "a.html", {}, progress);
   EXPECT_EQ(summary.frames, 5);
+  const std::vector<std::size_t> each = {1, 2, 3, 4, 5};
+  EXPECT_EQ(told,
+            (std::map<std::string, std::vector<std::size_t>>{{"packing frames", each}, {"reading frames", each}}));
   EXPECT_FALSE(summary.thinned);
   EXPECT_TRUE(summary.problems.empty());
   EXPECT_EQ(summary.bytes, fs::file_size(out.path() / "a.html"));
