@@ -389,9 +389,9 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     const auto refined = refine_on_field(model.field, h.camera_from_model, target.view.all,
                                          {.start_scale_mm = std::max(0.02 * model.diameter_mm, target.noise_mm),
                                           .end_scale_mm = end_mm,
-                                          .max_iterations = 6});
+                                          .max_iterations = 6,
+                                          .rate_end = false});
     h.camera_from_model = refined.camera_from_model;
-    return refined.rms_mm;
   };
   parallel_for(hypotheses.size(), [&](std::size_t i) { settle(hypotheses[i]); });
   Eigen::AlignedBox2d pixels;
