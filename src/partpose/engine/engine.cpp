@@ -100,7 +100,6 @@ Eigen::AlignedBox2d covered_at_any_turn(const Intrinsics& camera, const PartMode
                                         const Eigen::Isometry3d& camera_from_model) {
   const Eigen::Vector3d middle = camera_from_model * model.middle_mm;
   const double radius_mm = 0.5 * model.box_mm.diagonal().norm();
-  Eigen::AlignedBox2d box;
   if (middle.z() - radius_mm < 1) return covered(camera, model, camera_from_model);
   const Eigen::Vector2d reach = Eigen::Vector2d(camera.fx, camera.fy) * (radius_mm / (middle.z() - radius_mm));
   const Eigen::Vector2d pixel = camera.project(middle);
