@@ -104,14 +104,22 @@ DepthComparer::DepthComparer(const FrameWindow& frame, const SensorModel& sensor
     : frame_(frame),
       sensor_(sensor),
       object_(frame.depth.width, frame.depth.height, std::max(sensor.outline_px, 1)),
+      near_object_(frame.depth.z_mm.size(), 0),
       steps_per_mm_(static_cast<float>(steps / sensor.noise_mm)) {
-  for (int v = 0; v < frame.depth.height; ++v)
-    for (int u = 0; u < frame.depth.width; ++u) {
-      const std::size_t p = static_cast<std::size_t>(v) * frame.depth.width + u;
+  const int width = frame.depth.width, height = frame.depth.height, reach = std::max(sensor.outline_px, 1);
+  for (int v = 0; v < height; ++v) {
+    int near_to = 0;  // so far this row's pixels are marked in near_object_
+    for (int u = 0; u < width; ++u) {
+      const std::size_t p = static_cast<std::size_t>(v) * width + u;
       if (frame.label[p] != PixelLabel::object) continue;
       object_.row(v)[u] = frame.depth.z_mm[p];
       object_box_.extend(Eigen::Vector2i(u, v));
+      const int from = std::max(near_to, u - reach), to = std::min(u + reach + 1, width);
+      for (int vv = std::max(v - reach, 0); vv <= std::min(v + reach, height - 1); ++vv)
+        for (int uu = from; uu < to; ++uu) near_object_[static_cast<std::size_t>(vv) * width + uu] = 1;
+      near_to = to;
     }
+  }
   const double peak = sensor.size_mm / (std::sqrt(2 * std::numbers::pi) * sensor.noise_mm);
   for (int i = 0; i <= entries; ++i) {
     const double t = static_cast<double>(i) / steps;
@@ -191,7 +199,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
         const std::size_t p = static_cast<std::size_t>(v0 + v) * frame_.depth.width + u0 + u;
         const float measured_z = frame_.depth.z_mm[p];
         const bool measured = frame_.label[p] != PixelLabel::nothing;
-        const float near = object_.smallest_difference(model_z, u0 + u, v0 + v);
+        const float near = near_object_[p] ? object_.smallest_difference(model_z, u0 + u, v0 + v) : nowhere_mm;
         if (measured && std::abs(model_z - measured_z) < 4 * noise_mm) {
           // Measured, but taken for the table, as what lies low on it is: the likelier of the two.
           const float t_part = (model_z - measured_z) / noise_mm;

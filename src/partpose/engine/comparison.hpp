@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <vector>
 
 namespace partpose {
@@ -96,7 +97,8 @@ class DepthComparer {
 
   const FrameWindow& frame_;
   SensorModel sensor_;
-  PaddedDepth object_;  ///< its depths alone
+  PaddedDepth object_;                     ///< its depths alone
+  std::vector<std::uint8_t> near_object_;  ///< of each pixel: whether the object is within the outline's width of it
   Eigen::AlignedBox2i object_box_;
   float steps_per_mm_;
   std::array<float, entries + 1> log_density_;

@@ -102,7 +102,6 @@ Eigen::AlignedBox2d covered_at_any_turn(const Intrinsics& camera, const PartMode
                                         const Eigen::Isometry3d& camera_from_model) {
   const Eigen::Vector3d middle = camera_from_model * model.middle_mm;
   const double radius_mm = 0.5 * model.box_mm.diagonal().norm();
-  Eigen::AlignedBox2d box;
   if (middle.z() - radius_mm < 1) return covered(camera, model, camera_from_model);
   const Eigen::Vector2d reach = Eigen::Vector2d(camera.fx, camera.fy) * (radius_mm / (middle.z() - radius_mm));
   const Eigen::Vector2d pixel = camera.project(middle);
@@ -462,9 +461,9 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     const auto refined = refine_on_field(model.field, h.camera_from_model, target.view.all,
                                          {.start_scale_mm = std::max(0.02 * model.diameter_mm, target.noise_mm),
                                           .end_scale_mm = end_mm,
-                                          .max_iterations = 6});
+                                          .max_iterations = 6,
+                                          .rate_end = false});
     h.camera_from_model = refined.camera_from_model;
-    return refined.rms_mm;
   };
   parallel_for(hypotheses.size(), [&](std::size_t i) { settle(hypotheses[i]); });
   Eigen::AlignedBox2d pixels;

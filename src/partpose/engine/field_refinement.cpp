@@ -39,7 +39,7 @@ FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry
   if (points.size() == 0) return out;
   const auto cap_mm = static_cast<float>(3 * options.end_scale_mm);
   double scale_mm = options.start_scale_mm;
-  for (int iteration = 0; iteration <= options.max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < options.max_iterations + options.rate_end; ++iteration) {
     // In the model frame the surface stands still and the points move about their centre.
     const Eigen::Isometry3d model_from_camera = out.camera_from_model.inverse();
     const Eigen::Matrix3f turn = model_from_camera.linear().cast<float>();

@@ -37,6 +37,7 @@ struct FieldRefinementOptions {
   double end_scale_mm = 1;     ///< and in the end: about the noise
   int max_iterations = 10;
   double converged_mm = 0.01;  ///< an iteration at the end scale that moves the points by less is the last
+  bool rate_end = true;        ///< else the result's distances are those before the last step, which saves a look
 };
 
 struct FieldRefinement {

@@ -5,7 +5,6 @@
 #include "partpose/core/parallel.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 namespace partpose {
@@ -18,19 +17,27 @@ void keep_lowest(std::vector<Look>& looks, std::size_t count) {
   looks.resize(count);
 }
 
-constexpr int most_steps = 64 * 255;  // of two small templates
+constexpr int most_steps = SmallTemplate::cells * 255;  // of two small templates
 
-/// The lowest number that at least `count` of the differences do not exceed.
-int limit_for(const std::vector<std::uint16_t>& differences, std::size_t count) {
-  std::array<int, 256> of_high{}, of_low{};
-  for (const std::uint16_t d : differences) ++of_high[d >> 8];
-  int high = 0;
-  std::size_t below = 0;
-  while (high < 255 && below + of_high[high] < count) below += of_high[high++];
-  for (const std::uint16_t d : differences) of_low[d & 255] += d >> 8 == high;
-  int low = 0;
-  while (low < 255 && below + of_low[low] < count) below += of_low[low++];
-  return high << 8 | low;
+/// How many do not exceed a limit; counted in 16 bits, as many as the numbers have, so that they are side by side.
+std::size_t count_up_to(std::uint16_t limit, std::span<const std::uint16_t> numbers) {
+  std::uint16_t count = 0;
+  for (const std::uint16_t number : numbers) count = static_cast<std::uint16_t>(count + (number <= limit));
+  return count;
+}
+
+/// The lowest limit up to `limit` that at least `count` of the numbers do not exceed, if that many do not exceed it.
+std::uint16_t lowest_limit(std::uint16_t limit, std::span<const std::uint16_t> numbers, std::size_t count) {
+  if (count_up_to(limit, numbers) <= count) return limit;
+  std::uint16_t low = 0;
+  while (low < limit) {
+    const auto middle = static_cast<std::uint16_t>((low + limit) / 2);
+    if (count_up_to(middle, numbers) >= count)
+      limit = middle;
+    else
+      low = static_cast<std::uint16_t>(middle + 1);
+  }
+  return limit;
 }
 
 /// A part's, of those that cost no more than `dearest`.
@@ -45,10 +52,8 @@ std::vector<Look> looks_of(const PartModel& model, int part, const std::vector<T
     if (!(room >= 0)) continue;
     for (std::size_t v = 0; v < model.views.size(); ++v)
       capped_differences(model.small_templates[v], turned.small, model.scale.cap, &differences[v * rolls]);
-    int limit = static_cast<int>(std::min(room + 1, static_cast<float>(most_steps)));
-    std::size_t near = 0;
-    for (const std::uint16_t d : differences) near += d <= limit;
-    if (near > most) limit = std::min(limit, limit_for(differences, most));
+    const auto affordable = static_cast<std::uint16_t>(std::min(room + 1, static_cast<float>(most_steps)));
+    const std::uint16_t limit = lowest_limit(affordable, differences, most);
     for (std::size_t i = 0; i < differences.size(); ++i)
       if (differences[i] <= limit)
         looks.push_back({turned.beyond_mm2 + per_step * static_cast<float>(differences[i]),

@@ -30,10 +30,14 @@ class RowProducts {
 
   void add(const std::array<Lanes, entries>& row, const Lanes& weight) {
     int k = 0;
+#pragma GCC unroll 16
     for (int a = 0; a < entries; ++a) {
       Lanes weighted;
+#pragma omp simd
       for (int i = 0; i < Lanes::count; ++i) weighted.value[i] = weight.value[i] * row[a].value[i];
+#pragma GCC unroll 16
       for (int b = a; b < entries; ++b, ++k)
+#pragma omp simd
         for (int i = 0; i < Lanes::count; ++i) sums_[k].value[i] += weighted.value[i] * row[b].value[i];
     }
   }
