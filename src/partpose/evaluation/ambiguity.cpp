@@ -25,7 +25,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The pixels of a camera that meshes may cover, as a camera of its own; pixel (0, 0) of it is a pixel of the camera.
-Intrinsics cropped(const Intrinsics& camera, int margin_px,
+Intrinsics cropped(const Intrinsics& camera,
                    std::initializer_list<std::pair<const TriangleMesh*, Eigen::Isometry3d>> seen) {
   Eigen::AlignedBox2d window;
   for (const auto& [mesh, camera_from_model] : seen) {
@@ -36,11 +36,11 @@ Intrinsics cropped(const Intrinsics& camera, int margin_px,
       window.extend(camera.project(corner));
     }
   }
-  const auto low = [&](double value, int size) {
-    return static_cast<int>(std::clamp(std::floor(value) - margin_px, 0.0, size - 1.0));
+  const auto low = [](double value, int size) {
+    return static_cast<int>(std::clamp(std::floor(value) - 2, 0.0, size - 1.0));
   };
-  const auto high = [&](double value, int size) {
-    return static_cast<int>(std::clamp(std::ceil(value) + margin_px, 0.0, size - 1.0));
+  const auto high = [](double value, int size) {
+    return static_cast<int>(std::clamp(std::ceil(value) + 2, 0.0, size - 1.0));
   };
   const int left = low(window.min().x(), camera.width), right = high(window.max().x(), camera.width);
   const int top = low(window.min().y(), camera.height), bottom = high(window.max().y(), camera.height);
@@ -49,32 +49,6 @@ Intrinsics cropped(const Intrinsics& camera, int margin_px,
   out.height = std::max(bottom - top, 0) + 1;
   out.cx -= left;
   out.cy -= top;
-  return out;
-}
-
-/// What is in front, grown over what is behind it by more than an edge, as StereoSensor does it: along the rows, then
-/// along the columns. Nothing (0) is far behind.
-DepthImage grown(const DepthImage& image, double fx_px, const AmbiguityOptions& options) {
-  constexpr double edge_px = 0.75;  // of disparity
-  DepthImage out = image;
-  const auto grow = [&](std::ptrdiff_t at, std::ptrdiff_t step, int room, const DepthImage& before) {
-    const float z = before.z_mm[at];
-    const auto edge_mm = static_cast<float>(z * z * edge_px / (fx_px * options.baseline_mm));
-    const auto behind = [&](float other) { return !(other > 0) || other > z + edge_mm; };
-    if (!(z > 0) || room < 1 || !behind(before.z_mm[at + step])) return;
-    for (int k = 1; k <= std::min(options.foreground_growth_px, room) && behind(out.z_mm[at + k * step]); ++k)
-      out.z_mm[at + k * step] = z;
-  };
-  for (const bool along_rows : {true, false}) {
-    const DepthImage before = out;
-    for (int v = 0; v < image.height; ++v)
-      for (int u = 0; u < image.width; ++u) {
-        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(v) * image.width + u;
-        const std::ptrdiff_t step = along_rows ? 1 : image.width;
-        grow(at, step, along_rows ? image.width - 1 - u : image.height - 1 - v, before);
-        grow(at, -step, along_rows ? u : v, before);
-      }
-  }
   return out;
 }
 
@@ -105,21 +79,16 @@ void AmbiguityOptions::check() const {
   if (max_share > 1) throw Error("max_share {}: must be at most 1", max_share);
   if (max_px < 0) throw Error("max_px {}: must be at least 0", max_px);
   positive("max_rms_sigmas", max_rms_sigmas);
-  if (foreground_growth_px < 0 || foreground_growth_px > 16)
-    throw Error("foreground_growth_px {}: must be 0 to 16", foreground_growth_px);
-}
-
-AmbiguityOptions AmbiguityOptions::of(const StereoSensorOptions& sensor) {
-  AmbiguityOptions options;
-  options.disparity_sigma_px = sensor.disparity_noise_px;
-  options.baseline_mm = sensor.baseline_mm;
-  options.foreground_growth_px = static_cast<int>(std::lround(sensor.fattening_px));
-  return options;
 }
 
 AmbiguityOptions AmbiguityOptions::of(const NoiseOptions& noise) {
-  if (noise.model == "stereo") return of(noise.stereo.value_or(StereoSensorOptions{}));
   AmbiguityOptions options;
+  if (noise.model == "stereo") {
+    const auto stereo = noise.stereo.value_or(StereoSensorOptions{});
+    options.disparity_sigma_px = stereo.disparity_noise_px;
+    options.baseline_mm = stereo.baseline_mm;
+    return options;
+  }
   options.disparity_sigma_px = 0;
   if (noise.model != "none") options.floor_mm = std::max<double>(options.floor_mm, noise.standard_deviation_mm);
   return options;
@@ -138,11 +107,6 @@ DepthDifference depth_difference(const DepthImage& a, const DepthImage& b, doubl
                                  const AmbiguityOptions& options) {
   if (a.width != b.width || a.height != b.height)
     throw Error("depth images of {} x {} and {} x {} cannot be compared", a.width, a.height, b.width, b.height);
-  if (options.foreground_growth_px > 0) {
-    AmbiguityOptions as_they_are = options;
-    as_they_are.foreground_growth_px = 0;
-    return depth_difference(grown(a, fx_px, options), grown(b, fx_px, options), fx_px, as_they_are);
-  }
   DepthDifference out;
   double sum = 0;
   int compared = 0;
@@ -171,7 +135,7 @@ DepthDifference depth_difference(const TriangleMesh& part_a, const Eigen::Isomet
                                  const Intrinsics& camera, const AmbiguityOptions& options) {
   camera.check();
   options.check();
-  const Intrinsics window = cropped(camera, 2 + options.foreground_growth_px, {{&part_a, camera_from_a}, {&part_b, camera_from_b}});
+  const Intrinsics window = cropped(camera, {{&part_a, camera_from_a}, {&part_b, camera_from_b}});
   return depth_difference(render(part_a, camera_from_a, window).depth, render(part_b, camera_from_b, window).depth,
                           camera.fx, options);
 }
@@ -267,7 +231,7 @@ struct AmbiguitySearch::Impl {
     double nearest_mm = infinity;
   };
   View view_of(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model) const {
-    const Intrinsics window = cropped(camera, 2, {{&mesh, camera_from_model}});
+    const Intrinsics window = cropped(camera, {{&mesh, camera_from_model}});
     const DepthImage depth = render(mesh, camera_from_model, window).depth;
     View view;
     const auto seen = std::count_if(depth.z_mm.begin(), depth.z_mm.end(), [](float z) { return z > 0; });

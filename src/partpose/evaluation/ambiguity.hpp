@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "partpose/camera/stereo_sensor.hpp"
 #include "partpose/camera/virtual_depth_camera.hpp"
 #include "partpose/core/depth_image.hpp"
 #include "partpose/core/mesh.hpp"
@@ -26,7 +25,6 @@ struct AmbiguityOptions {
   double max_share = 0.01;
   int max_px = 25;
   double max_rms_sigmas = 1;
-  int foreground_growth_px = 0;
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
@@ -38,14 +36,11 @@ struct AmbiguityOptions {
     visit("max_px", self.max_px, "pixels that may differ in any case, >= 0");
     visit("max_rms_sigmas", self.max_rms_sigmas,
           "root mean square difference of the others [standard deviations], > 0");
-    visit("foreground_growth_px", self.foreground_growth_px,
-          "a matched window lets what is in front grow so far over what is behind it [px], 0 to 16");
   }
   void check() const;
 
   /// As far as a virtual camera's noise lets depths differ unseen.
   static AmbiguityOptions of(const NoiseOptions& noise);
-  static AmbiguityOptions of(const StereoSensorOptions& sensor);
 
   /// Of one measured depth: sqrt(floor^2 + (z^2 disparity_sigma / (f baseline))^2).
   double sigma_mm(double z_mm, double fx_px) const;
@@ -53,9 +48,8 @@ struct AmbiguityOptions {
 
 /// How far apart two depth images are. A pixel of one agrees with the other when the depth there, at the same pixel or
 /// at one of its eight neighbours, differs by at most `sigmas` standard deviations: edges that grow or shrink by a
-/// pixel and lateral shifts of less than a pixel are within what a stereo camera does. Before that both have their
-/// foreground grown (`foreground_growth_px`): a groove that the camera fills in both is none. What is seen in one and
-/// not in the other differs without limit.
+/// pixel and lateral shifts of less than a pixel are within what a stereo camera does. What is seen in one and not in
+/// the other differs without limit.
 struct DepthDifference {
   int union_px = 0;       ///< where at least one of the two is seen
   int differing_px = 0;   ///< of them, those where one of the two does not agree with the other

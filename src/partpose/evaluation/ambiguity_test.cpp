@@ -112,24 +112,6 @@ TEST(DepthDifference, EdgesMayGrowByAPixel) {
   EXPECT_FALSE(depth_difference(a, DepthImage(60, 60), 600, options).indistinguishable(options));
 }
 
-TEST(DepthDifference, AGrooveThatTheForegroundGrowsOverIsNone) {
-  AmbiguityOptions options;
-  DepthImage plain(60, 60), grooved(60, 60);
-  for (int v = 10; v < 50; ++v)
-    for (int u = 10; u < 50; ++u) {
-      plain.at(u, v) = 600;
-      grooved.at(u, v) = u >= 27 && u < 33 ? 620 : 600;
-    }
-  EXPECT_GT(depth_difference(plain, grooved, 600, options).differing_px, 200);
-  options.foreground_growth_px = 3;
-  EXPECT_EQ(depth_difference(plain, grooved, 600, options).differing_px, 0);
-  // The outline has grown with it, and a wider groove is still seen.
-  EXPECT_EQ(depth_difference(plain, grooved, 600, options).union_px, 46 * 46);
-  for (int v = 10; v < 50; ++v)
-    for (int u = 22; u < 38; ++u) grooved.at(u, v) = 620;
-  EXPECT_GT(depth_difference(plain, grooved, 600, options).differing_px, 200);
-}
-
 TEST(Indistinguishable, AShaftWhoseWindowIsHidden) {
   const TriangleMesh part = shaft_with_window();
   const auto from_behind = seen_from({-1, 0.1, 0.2}), from_front = seen_from({1, 0.1, 0.2});

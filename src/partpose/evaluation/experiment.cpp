@@ -276,11 +276,14 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
     write_scene_dataset(std::move(parts), {}, options, static_cast<std::size_t>(frames), folder, {}, progress_);
   }
   const SceneDataset drawn = read_scene_dataset(folder);
-  NoiseOptions sensor;
-  sensor.model = options.sensor.model;
-  sensor.standard_deviation_mm = static_cast<float>(options.sensor.standard_deviation_mm);
-  sensor.stereo = options.sensor.stereo;
-  const AmbiguityOptions noise = AmbiguityOptions::of(sensor);
+  AmbiguityOptions noise;
+  if (options.sensor.model == "stereo") {
+    noise.disparity_sigma_px = options.sensor.stereo.disparity_noise_px;
+    noise.baseline_mm = options.sensor.stereo.baseline_mm;
+  } else {
+    noise.disparity_sigma_px = 0;
+    if (options.sensor.model != "none") noise.floor_mm = std::max(noise.floor_mm, options.sensor.standard_deviation_mm);
+  }
   std::vector<TestScene> scenes;
   for (const auto& [scene_id, bop_scene] : drawn.bop.scenes) {
     for (const auto& image : bop_scene.images) {
