@@ -275,13 +275,14 @@ class Separation {
       used.set(label);
       ++pixels_[label];
     }
-    while (next_label_ < 255 && used.test(next_label_)) ++next_label_;
+    while (next_label_ < last_label && used.test(next_label_)) ++next_label_;
     first_label_ = next_label_;
     for (const PartModel* model : models) largest_mm_ = std::max(largest_mm_, model->diameter_mm);
-    while (next_label_ < 250 && round()) {
+    constexpr int most_rounds = 6;
+    for (int k = 0; k < most_rounds && next_label_ < last_label && round(); ++k) {
     }
     share_rest();
-    drop_lonely();
+    drop_doubtful();
   }
 
   std::vector<SeparatedPart> parts;
@@ -296,6 +297,7 @@ class Separation {
     double gain = 0;             ///< of log-likelihood, over leaving its pixels unexplained
   };
 
+  static constexpr int last_label = 250;
   static constexpr int wanted_pixels = 800, outline_px = 3, ring_px = 4, beyond_px = 24, far_beyond_px = 60;
 
   bool round() {
@@ -304,14 +306,14 @@ class Separation {
     if (rest.pixels < least_pixels) return false;
     const ObjectView view(frame_, rest);
     noise_per_mm2_ = view.noise_mm / std::pow(view.all.centre_mm().z(), 2);
-    auto hypotheses = anchored_hypotheses(models_, frame_, rest);
+    auto hypotheses = anchored_hypotheses(models_, frame_, rest, 16);
     std::vector<Trial> trials(hypotheses.size());
     parallel_for(trials.size(), [&](std::size_t i) {
       trials[i].hypothesis = hypotheses[i];
       compare(trials[i], rest);
     });
     bool found = false;
-    while (!trials.empty() && next_label_ < 250) {
+    while (!trials.empty() && next_label_ < last_label) {
       std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.gain > b.gain; });
       Trial best = trials.front();
       trials.erase(trials.begin());
@@ -331,7 +333,12 @@ class Separation {
       claim(best.hypothesis);
       no_outline_.push_back(best.no_outline / std::max(1.0, static_cast<double>(best.outline)));
       parts.push_back(std::move(part));
-      parallel_for(trials.size(), [&](std::size_t i) { compare(trials[i], rest); });
+      // Those that may share pixels with it.
+      const double reach_mm = models_[best.hypothesis.part]->diameter_mm;
+      parallel_for(trials.size(), [&](std::size_t i) {
+        const Hypothesis& h = trials[i].hypothesis;
+        if ((middle_of(h) - middle).norm() < 0.5 * (reach_mm + models_[h.part]->diameter_mm)) compare(trials[i], rest);
+      });
     }
     return found;
   }
@@ -470,21 +477,6 @@ class Separation {
     return out;
   }
 
-  /// A piece of which the parts leave most is something else, with faces like theirs; so is one with a single part
-  /// whose outline is not seen all around.
-  void drop_lonely() {
-    constexpr double least_share = 0.35, most_no_outline = 0.2;
-    const std::vector<bool> held = supported();
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < parts.size(); ++i)
-      if (held[i] && explained_[piece_[i]] > least_share * pixels_[piece_[i]] &&
-          (std::count(piece_.begin(), piece_.end(), piece_[i]) > 1 || no_outline_[i] < most_no_outline)) {
-        if (kept != i) parts[kept] = std::move(parts[i]);
-        ++kept;
-      }
-    parts.resize(kept);
-  }
-
   /// What is left where a part's surface goes on beyond its outline is its: unexplained.
   void share_rest() {
     FrameObject rest;
@@ -509,6 +501,28 @@ class Separation {
     }
   }
 
+  /// A piece of which the parts leave much is something else, with faces like theirs; so is one with a single part
+  /// whose outline is not seen all around. More is asked of what is no larger than a part: it may be one that is not
+  /// known.
+  void drop_doubtful() {
+    const std::vector<bool> held = supported();
+    std::bitset<256> large;
+    for (const auto& object : frame_.objects)
+      if (object.larger_than_a_part) large |= object.labels;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const int piece = piece_[i];
+      const bool is_large = large.test(piece);
+      const bool single = std::count(piece_.begin(), piece_.end(), piece) == 1;
+      const double least_share = is_large ? 0.35 : single ? 0.6 : 0.8;
+      const double most_no_outline = !single ? 1 : is_large ? 0.2 : 0.1;
+      if (!held[i] || explained_[piece] < least_share * pixels_[piece] || no_outline_[i] > most_no_outline) continue;
+      if (kept != i) parts[kept] = std::move(parts[i]);
+      ++kept;
+    }
+    parts.resize(kept);
+  }
+
   std::span<const PartModel* const> models_;
   FramePieces& frame_;
   std::bitset<256> labels_;
@@ -522,8 +536,7 @@ class Separation {
 }  // namespace
 
 std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> models, const FramePieces& frame,
-                                            const FrameObject& rest) {
-  constexpr int most_seeds = 16;
+                                            const FrameObject& rest, int most_seeds) {
   constexpr int wanted_points = 1500;
   const ObjectView view(frame, rest);
   const std::vector<Eigen::Vector3f> points = object_points(frame, rest, wanted_points).points_mm;

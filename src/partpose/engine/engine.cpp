@@ -297,7 +297,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     if (target.best_score < weak && is_partly_hidden(target.view)) impl_->examine(target, true, time);
     if (target.best_score < weak) {
       if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
-      auto hypotheses = time("anchored", [&] { return anchored_hypotheses(impl_->model_of, frame, object); });
+      auto hypotheses = time("anchored", [&] { return anchored_hypotheses(impl_->model_of, frame, object, 16); });
       time("verify", [&] { impl_->verify(target, std::move(hypotheses)); });
     }
     if (target.best_score < weak) weakly_explained |= object.labels;
