@@ -277,7 +277,10 @@ class Separation {
     }
     while (next_label_ < last_label && used.test(next_label_)) ++next_label_;
     first_label_ = next_label_;
-    for (const PartModel* model : models) largest_mm_ = std::max(largest_mm_, model->diameter_mm);
+    for (const PartModel* model : models) {
+      largest_mm_ = std::max(largest_mm_, model->diameter_mm);
+      smallest_mm_ = std::min(smallest_mm_, model->diameter_mm);
+    }
     constexpr int most_rounds = 6;
     for (int k = 0; k < most_rounds && next_label_ < last_label && round(); ++k) {
     }
@@ -303,8 +306,11 @@ class Separation {
   bool round() {
     const FrameObject rest = all_of(frame_, labels_);
     constexpr int least_pixels = 120;
+    constexpr double least_share = 0.05;  // of the square of the diameter: what a slender part shows when half hidden
     if (rest.pixels < least_pixels) return false;
     const ObjectView view(frame_, rest);
+    const double smallest_px = smallest_mm_ * frame_.camera.fx / view.all.centre_mm().z();
+    if (rest.pixels < least_share * smallest_px * smallest_px) return false;
     noise_per_mm2_ = view.noise_mm / std::pow(view.all.centre_mm().z(), 2);
     auto hypotheses = anchored_hypotheses(models_, frame_, rest, 16);
     std::vector<Trial> trials(hypotheses.size());
@@ -530,7 +536,7 @@ class Separation {
   std::array<int, 256> pixels_{}, explained_{};  ///< by the label of a piece
   std::vector<int> piece_;                       ///< of each part: the label that most of its pixels had
   std::vector<double> no_outline_;               ///< of each part: the share of its outline where the surface goes on
-  double noise_per_mm2_ = 1e-6, largest_mm_ = 0;
+  double noise_per_mm2_ = 1e-6, largest_mm_ = 0, smallest_mm_ = 1e9;
 };
 
 }  // namespace

@@ -295,12 +295,14 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     impl_->examine(target, false, time);
     constexpr double weak = 0.8, strong = 0.85;
     if (target.best_score < weak && is_partly_hidden(target.view)) impl_->examine(target, true, time);
-    if (target.best_score < weak) {
+    // What shows a part without a table has nothing else in it.
+    const bool among_others = target.best_score < weak && !object.whole_frame;
+    if (among_others) {
       if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
       auto hypotheses = time("anchored", [&] { return anchored_hypotheses(impl_->model_of, frame, object, 16); });
       time("verify", [&] { impl_->verify(target, std::move(hypotheses)); });
     }
-    if (target.best_score < weak) weakly_explained |= object.labels;
+    if (among_others && target.best_score < weak) weakly_explained |= object.labels;
     if (target.candidates.empty()) continue;
     if (target.best_score > strong) explained |= object.labels;
     targets.push_back(std::move(target));
