@@ -520,7 +520,7 @@ class Separation {
       const int piece = piece_[i];
       const bool is_large = large.test(piece);
       const bool single = std::count(piece_.begin(), piece_.end(), piece) == 1;
-      const double least_share = is_large ? 0.35 : single ? 0.6 : 0.8;
+      const double least_share = is_large ? 0.5 : single ? 0.6 : 0.8;
       const double most_no_outline = !single ? 1 : is_large ? 0.2 : 0.1;
       if (!held[i] || explained_[piece] < least_share * pixels_[piece] || no_outline_[i] > most_no_outline) continue;
       if (kept != i) parts[kept] = std::move(parts[i]);
@@ -547,7 +547,6 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
   const ObjectView view(frame, rest);
   const std::vector<Eigen::Vector3f> points = object_points(frame, rest, wanted_points).points_mm;
   if (points.size() < 20) return {};
-  // As many places as parts of the smallest size could lie there, and some more.
   const std::vector<int> seeds = spread_places(points, most_seeds);
 
   std::map<double, std::vector<TurnedWindow>> windows;  // by the cells' size

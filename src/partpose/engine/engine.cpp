@@ -281,6 +281,9 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     return r;
   }
   std::vector<Target> targets;
+  // Then its pieces are the part's, and nothing else is in it.
+  const bool may_be_one_part =
+      std::any_of(frame.objects.begin(), frame.objects.end(), [](const FrameObject& o) { return o.whole_frame; });
   std::bitset<256> explained, weakly_explained;  // labels of what a part explains well, or does not
   for (const auto& object : frame.objects) {
     if ((object.labels & ~explained).none()) continue;  // a piece of what is explained as a whole
@@ -295,21 +298,19 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     impl_->examine(target, false, time);
     constexpr double weak = 0.8, strong = 0.85;
     if (target.best_score < weak && is_partly_hidden(target.view)) impl_->examine(target, true, time);
-    // What shows a part without a table has nothing else in it.
-    const bool among_others = target.best_score < weak && !object.whole_frame;
-    if (among_others) {
+    if (target.best_score < weak && !may_be_one_part) {
       if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
       auto hypotheses = time("anchored", [&] { return anchored_hypotheses(impl_->model_of, frame, object, 16); });
       time("verify", [&] { impl_->verify(target, std::move(hypotheses)); });
     }
-    if (among_others && target.best_score < weak) weakly_explained |= object.labels;
+    if (target.best_score < weak) weakly_explained |= object.labels;
     if (target.candidates.empty()) continue;
     if (target.best_score > strong) explained |= object.labels;
     targets.push_back(std::move(target));
   }
   weakly_explained &= ~explained;
   std::vector<SeparatedPart> separated;
-  if (weakly_explained.any()) {
+  if (weakly_explained.any() && !may_be_one_part) {
     if (frame.shadow_of.empty()) time("separation", [&] { find_shadows(frame); });
     separated = time("separation", [&] { return separate(impl_->model_of, frame, weakly_explained); });
     impl_->add_separated(targets, frame, separated, time);
