@@ -275,13 +275,17 @@ class Separation {
       used.set(label);
       ++pixels_[label];
     }
-    while (next_label_ < 255 && used.test(next_label_)) ++next_label_;
+    while (next_label_ < last_label && used.test(next_label_)) ++next_label_;
     first_label_ = next_label_;
-    for (const PartModel* model : models) largest_mm_ = std::max(largest_mm_, model->diameter_mm);
-    while (next_label_ < 250 && round()) {
+    for (const PartModel* model : models) {
+      largest_mm_ = std::max(largest_mm_, model->diameter_mm);
+      smallest_mm_ = std::min(smallest_mm_, model->diameter_mm);
+    }
+    constexpr int most_rounds = 6;
+    for (int k = 0; k < most_rounds && next_label_ < last_label && round(); ++k) {
     }
     share_rest();
-    drop_lonely();
+    drop_doubtful();
   }
 
   std::vector<SeparatedPart> parts;
@@ -296,22 +300,26 @@ class Separation {
     double gain = 0;             ///< of log-likelihood, over leaving its pixels unexplained
   };
 
+  static constexpr int last_label = 250;
   static constexpr int wanted_pixels = 800, outline_px = 3, ring_px = 4, beyond_px = 24, far_beyond_px = 60;
 
   bool round() {
     const FrameObject rest = all_of(frame_, labels_);
     constexpr int least_pixels = 120;
+    constexpr double least_share = 0.05;  // of the square of the diameter: what a slender part shows when half hidden
     if (rest.pixels < least_pixels) return false;
     const ObjectView view(frame_, rest);
+    const double smallest_px = smallest_mm_ * frame_.camera.fx / view.all.centre_mm().z();
+    if (rest.pixels < least_share * smallest_px * smallest_px) return false;
     noise_per_mm2_ = view.noise_mm / std::pow(view.all.centre_mm().z(), 2);
-    auto hypotheses = anchored_hypotheses(models_, frame_, rest);
+    auto hypotheses = anchored_hypotheses(models_, frame_, rest, 16);
     std::vector<Trial> trials(hypotheses.size());
     parallel_for(trials.size(), [&](std::size_t i) {
       trials[i].hypothesis = hypotheses[i];
       compare(trials[i], rest);
     });
     bool found = false;
-    while (!trials.empty() && next_label_ < 250) {
+    while (!trials.empty() && next_label_ < last_label) {
       std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.gain > b.gain; });
       Trial best = trials.front();
       trials.erase(trials.begin());
@@ -331,7 +339,12 @@ class Separation {
       claim(best.hypothesis);
       no_outline_.push_back(best.no_outline / std::max(1.0, static_cast<double>(best.outline)));
       parts.push_back(std::move(part));
-      parallel_for(trials.size(), [&](std::size_t i) { compare(trials[i], rest); });
+      // Those that may share pixels with it.
+      const double reach_mm = models_[best.hypothesis.part]->diameter_mm;
+      parallel_for(trials.size(), [&](std::size_t i) {
+        const Hypothesis& h = trials[i].hypothesis;
+        if ((middle_of(h) - middle).norm() < 0.5 * (reach_mm + models_[h.part]->diameter_mm)) compare(trials[i], rest);
+      });
     }
     return found;
   }
@@ -474,21 +487,6 @@ class Separation {
     return out;
   }
 
-  /// A piece of which the parts leave most is something else, with faces like theirs; so is one with a single part
-  /// whose outline is not seen all around.
-  void drop_lonely() {
-    constexpr double least_share = 0.35, most_no_outline = 0.2;
-    const std::vector<bool> held = supported();
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < parts.size(); ++i)
-      if (held[i] && explained_[piece_[i]] > least_share * pixels_[piece_[i]] &&
-          (std::count(piece_.begin(), piece_.end(), piece_[i]) > 1 || no_outline_[i] < most_no_outline)) {
-        if (kept != i) parts[kept] = std::move(parts[i]);
-        ++kept;
-      }
-    parts.resize(kept);
-  }
-
   /// What is left where a part's surface goes on beyond its outline is its: unexplained.
   void share_rest() {
     FrameObject rest;
@@ -513,6 +511,28 @@ class Separation {
     }
   }
 
+  /// A piece of which the parts leave much is something else, with faces like theirs; so is one with a single part
+  /// whose outline is not seen all around. More is asked of what is no larger than a part: it may be one that is not
+  /// known.
+  void drop_doubtful() {
+    const std::vector<bool> held = supported();
+    std::bitset<256> large;
+    for (const auto& object : frame_.objects)
+      if (object.larger_than_a_part) large |= object.labels;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const int piece = piece_[i];
+      const bool is_large = large.test(piece);
+      const bool single = std::count(piece_.begin(), piece_.end(), piece) == 1;
+      const double least_share = is_large ? 0.5 : single ? 0.6 : 0.8;
+      const double most_no_outline = !single ? 1 : is_large ? 0.2 : 0.1;
+      if (!held[i] || explained_[piece] < least_share * pixels_[piece] || no_outline_[i] > most_no_outline) continue;
+      if (kept != i) parts[kept] = std::move(parts[i]);
+      ++kept;
+    }
+    parts.resize(kept);
+  }
+
   std::span<const PartModel* const> models_;
   FramePieces& frame_;
   std::bitset<256> labels_;
@@ -520,19 +540,17 @@ class Separation {
   std::array<int, 256> pixels_{}, explained_{};  ///< by the label of a piece
   std::vector<int> piece_;                       ///< of each part: the label that most of its pixels had
   std::vector<double> no_outline_;               ///< of each part: the share of its outline where the surface goes on
-  double noise_per_mm2_ = 1e-6, largest_mm_ = 0;
+  double noise_per_mm2_ = 1e-6, largest_mm_ = 0, smallest_mm_ = 1e9;
 };
 
 }  // namespace
 
 std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> models, const FramePieces& frame,
-                                            const FrameObject& rest) {
-  constexpr int most_seeds = 16;
+                                            const FrameObject& rest, int most_seeds) {
   constexpr int wanted_points = 1500;
   const ObjectView view(frame, rest);
   const std::vector<Eigen::Vector3f> points = object_points(frame, rest, wanted_points).points_mm;
   if (points.size() < 20) return {};
-  // As many places as parts of the smallest size could lie there, and some more.
   const std::vector<int> seeds = spread_places(points, most_seeds);
 
   std::map<double, std::vector<TurnedWindow>> windows;  // by the cells' size

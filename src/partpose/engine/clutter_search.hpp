@@ -27,6 +27,6 @@ std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, Fr
 /// Parts at poses about places on the surface of `rest`, refined; best first, their cost is minus the mm2 of `rest`
 /// that they explain, less what speaks against them.
 std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> models, const FramePieces& frame,
-                                            const FrameObject& rest);
+                                            const FrameObject& rest, int most_seeds);
 
 }  // namespace partpose

@@ -315,6 +315,9 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     return r;
   }
   std::vector<Target> targets;
+  // Then its pieces are the part's, and nothing else is in it.
+  const bool may_be_one_part =
+      std::any_of(frame.objects.begin(), frame.objects.end(), [](const FrameObject& o) { return o.whole_frame; });
   std::bitset<256> explained, weakly_explained;  // labels of what a part explains well, or does not
   for (const auto& object : frame.objects) {
     if ((object.labels & ~explained).none()) continue;  // a piece of what is explained as a whole
@@ -329,9 +332,9 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     impl_->examine(target, false, time);
     constexpr double weak = 0.8, strong = 0.85;
     if (target.best_score < weak && is_partly_hidden(target.view)) impl_->examine(target, true, time);
-    if (target.best_score < weak) {
+    if (target.best_score < weak && !may_be_one_part) {
       if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
-      auto hypotheses = time("anchored", [&] { return anchored_hypotheses(impl_->model_of, frame, object); });
+      auto hypotheses = time("anchored", [&] { return anchored_hypotheses(impl_->model_of, frame, object, 16); });
       time("verify", [&] { impl_->verify(target, std::move(hypotheses)); });
     }
     if (target.best_score < weak) weakly_explained |= object.labels;
@@ -341,7 +344,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   }
   weakly_explained &= ~explained;
   std::vector<SeparatedPart> separated;
-  if (weakly_explained.any()) {
+  if (weakly_explained.any() && !may_be_one_part) {
     if (frame.shadow_of.empty()) time("separation", [&] { find_shadows(frame); });
     separated = time("separation", [&] { return separate(impl_->model_of, frame, weakly_explained); });
     impl_->add_separated(targets, frame, separated, time);

@@ -145,5 +145,18 @@ TEST(FramePieces, NothingIsNothing) {
   EXPECT_TRUE(split_frame(nothing, {64, 48, 60, 60, 31.5, 23.5}, {}).objects.empty());
 }
 
+TEST(FindShadows, WhatIsNearerHidesWhatIsNotMeasuredBesideIt) {
+  DepthImage depth(40, 1);
+  std::fill(depth.z_mm.begin(), depth.z_mm.end(), 600.0f);
+  for (int u = 20; u < 30; ++u) depth.z_mm[u] = 500;
+  for (int u = 14; u < 20; ++u) depth.z_mm[u] = 0;  // beside the step
+  for (int u = 34; u < 37; ++u) depth.z_mm[u] = 0;  // a hole in a flat surface
+  FramePieces frame;
+  frame.depth = &depth;
+  for (const float z : depth.z_mm) frame.label.push_back(z > 0 ? FramePieces::background : FramePieces::not_measured);
+  find_shadows(frame);
+  for (int u = 0; u < 40; ++u) EXPECT_EQ(frame.shadow_of[u], u >= 14 && u < 20 ? 20 : -1) << u;
+}
+
 }  // namespace
 }  // namespace partpose

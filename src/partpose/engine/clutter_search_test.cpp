@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/engine/clutter_search.hpp"
+
+#include "partpose/camera/rasterizer.hpp"
+#include "partpose/core/random.hpp"
+#include "partpose/engine/engine.hpp"
+#include "tests/shapes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+namespace partpose {
+namespace {
+
+NamedMesh named(const char* name, TriangleMesh mesh) {
+  NamedMesh out;
+  out.name = name;
+  out.mesh = std::move(mesh);
+  return out;
+}
+
+class ClutterSearchTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    engine = std::make_unique<Engine>(
+        std::vector<NamedMesh>{named("bracket", shapes::l_bracket()), named("pin", shapes::cylinder(15, 70, 40))});
+  }
+  static void TearDownTestSuite() { engine.reset(); }
+
+  /// A table's frame, z up, seen from 50 degrees above the table.
+  static Eigen::Isometry3d camera_from_table() {
+    Eigen::Isometry3d pose(Eigen::Translation3d(0, 0, 500));
+    pose.linear() = Eigen::AngleAxisd(140 * std::numbers::pi / 180, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    return pose;
+  }
+  static DepthImage measured(const TriangleMesh& scene, Random& random) {
+    DepthImage depth = render(scene, camera_from_table(), camera).depth;
+    for (float& z : depth.z_mm)
+      if (z > 0) z += 0.5f * static_cast<float>(random.normal_pair().first);
+    return depth;
+  }
+  /// How far the surface found lies from where it should.
+  static double deviation_mm(const Detection& found, const TriangleMesh& mesh,
+                             const Eigen::Isometry3d& table_from_part) {
+    double farthest = 0;
+    const Eigen::Isometry3d part_from_found =
+        (camera_from_table() * table_from_part).inverse() * found.camera_from_model;
+    for (const auto& v : mesh.vertices)
+      farthest = std::max(farthest, shapes::distance_to_mesh(part_from_found * v.cast<double>(), mesh));
+    return farthest;
+  }
+  static const Detection* found_near(const Recognition& r, int part, const TriangleMesh& mesh,
+                                     const Eigen::Isometry3d& table_from_part) {
+    for (const auto& detection : r.detections)
+      if (detection.part == part && deviation_mm(detection, mesh, table_from_part) < 4) return &detection;
+    return nullptr;
+  }
+
+  static inline std::unique_ptr<Engine> engine;
+  static inline const Intrinsics camera{.width = 480, .height = 360, .fx = 500, .fy = 500, .cx = 239.5, .cy = 179.5};
+  const TriangleMesh table = shapes::plane_patch(800, 600);
+};
+
+/// The bracket lies on its side: its width of 30 mm is up.
+Eigen::Isometry3d bracket_at(const TriangleMesh& bracket, double x, double y, double turn_deg) {
+  const Eigen::AlignedBox3d box = bounding_box(bracket);
+  Eigen::Isometry3d pose(Eigen::Translation3d(x, y, 0));
+  pose.linear() = Eigen::AngleAxisd(turn_deg * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return pose * Eigen::Translation3d(0, 0, -box.min().z()) * Eigen::Isometry3d::Identity();
+}
+
+TEST_F(ClutterSearchTest, FindsEachOfThreePartsThatTouch) {
+  Random random(5);
+  const TriangleMesh bracket = shapes::l_bracket(), pin = shapes::cylinder(15, 70, 40);
+  const Eigen::Isometry3d first = bracket_at(bracket, -60, 0, 0);
+  const double length_mm = bounding_box(bracket).sizes().x();
+  const Eigen::Isometry3d second = bracket_at(bracket, -60 + length_mm + 0.3, 12, 0);
+  Eigen::Isometry3d third = Eigen::Isometry3d::Identity();  // the pin lies before both
+  third.linear() = Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  const Eigen::AlignedBox3d pin_box = bounding_box(shapes::moved(pin, third));
+  third.pretranslate(
+      Eigen::Vector3d(-20, (first * bounding_box(bracket).min()).y() - pin_box.max().y() - 0.3, -pin_box.min().z()));
+  TriangleMesh scene = table;
+  scene = shapes::joined(scene, shapes::moved(bracket, first));
+  scene = shapes::joined(scene, shapes::moved(bracket, second));
+  scene = shapes::joined(scene, shapes::moved(pin, third));
+  const Recognition r = engine->recognize(measured(scene, random), camera);
+  EXPECT_NE(found_near(r, 0, bracket, first), nullptr);
+  EXPECT_NE(found_near(r, 0, bracket, second), nullptr);
+  EXPECT_NE(found_near(r, 1, pin, third), nullptr);
+  EXPECT_EQ(r.detections.size(), 3u);
+}
+
+TEST_F(ClutterSearchTest, FindsAPartOfWhichAPlateHidesMuch) {
+  Random random(7);
+  const TriangleMesh bracket = shapes::l_bracket();
+  int found = 0;
+  constexpr int turns = 6;
+  for (int k = 0; k < turns; ++k) {
+    const Eigen::Isometry3d pose = bracket_at(bracket, 0, 0, 60 * k + 10);
+    // A plate held over the right third of it.
+    const Eigen::Vector3d middle = pose * bounding_box(bracket).center();
+    const auto x = static_cast<float>(middle.x() + 8), y = static_cast<float>(middle.y());
+    TriangleMesh scene = shapes::joined(table, shapes::moved(bracket, pose));
+    scene = shapes::joined(scene, shapes::box({x, y - 120, 120}, {x + 120, y + 40, 123}));
+    const Recognition r = engine->recognize(measured(scene, random), camera);
+    found += found_near(r, 0, bracket, pose) != nullptr;
+  }
+  EXPECT_GE(found, turns - 1);
+}
+
+TEST(AnchoredHypotheses, TheTruePoseIsAmongTheFirst) {
+  const PartModel model(shapes::l_bracket());
+  const std::vector<const PartModel*> models = {&model};
+  const Intrinsics camera{.width = 320, .height = 240, .fx = 500, .fy = 500, .cx = 159.5, .cy = 119.5};
+  Random random(9);
+  int right = 0;
+  constexpr int frames = 8;
+  for (int k = 0; k < frames; ++k) {
+    const Eigen::Isometry3d truth = shapes::random_pose(random, {0, 0, 500});
+    DepthImage depth = render(shapes::l_bracket(), truth, camera).depth;
+    // A wall hides a third or so of it; behind the part there is another.
+    for (int v = 0; v < depth.height; ++v)
+      for (int u = 0; u < depth.width; ++u) {
+        float& z = depth.z_mm[v * depth.width + u];
+        z = u < 140 ? 300.0f : z > 0 ? z : 900.0f;
+      }
+    FramePiecesOptions options;
+    options.largest_part_mm = options.smallest_part_mm = static_cast<float>(model.diameter_mm);
+    FramePieces frame = split_frame(depth, camera, options);
+    FrameObject rest;
+    for (std::size_t p = 0; p < depth.z_mm.size(); ++p)
+      if (depth.z_mm[p] > 301 && depth.z_mm[p] < 899) {
+        frame.label[p] = 200;
+        ++rest.pixels;
+      }
+    rest.labels.set(200);
+    rest.u1 = depth.width - 1, rest.v1 = depth.height - 1;
+    const auto hypotheses = anchored_hypotheses(models, frame, rest, 8);
+    for (std::size_t i = 0; i < std::min<std::size_t>(hypotheses.size(), 10); ++i) {
+      const Eigen::Isometry3d off = truth.inverse() * hypotheses[i].camera_from_model;
+      double farthest = 0;
+      for (const auto& v : shapes::l_bracket().vertices)
+        farthest = std::max(farthest, shapes::distance_to_mesh(off * v.cast<double>(), shapes::l_bracket()));
+      if (farthest > 5) continue;
+      ++right;
+      break;
+    }
+  }
+  EXPECT_GE(right, frames - 2);  // what is left may be one flat face
+}
+
+}  // namespace
+}  // namespace partpose
