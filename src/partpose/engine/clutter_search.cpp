@@ -519,14 +519,16 @@ class Separation {
     std::bitset<256> large;
     for (const auto& object : frame_.objects)
       if (object.larger_than_a_part) large |= object.labels;
+    std::array<double, 256> worst{};  // share without an outline, by the label of a piece
+    for (std::size_t i = 0; i < parts.size(); ++i) worst[piece_[i]] = std::max(worst[piece_[i]], no_outline_[i]);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < parts.size(); ++i) {
       const int piece = piece_[i];
       const bool is_large = large.test(piece);
       const bool single = std::count(piece_.begin(), piece_.end(), piece) == 1;
-      const double least_share = is_large ? 0.5 : single ? 0.6 : 0.8;
-      const double most_no_outline = !single ? 1 : is_large ? 0.2 : 0.1;
-      if (!held[i] || explained_[piece] < least_share * pixels_[piece] || no_outline_[i] > most_no_outline) continue;
+      const double least_share = is_large ? 0.35 : single ? 0.6 : 0.8;
+      const double most_no_outline = !is_large ? single ? 0.1 : 0.2 : single ? 0.2 : 1;
+      if (!held[i] || explained_[piece] < least_share * pixels_[piece] || worst[piece] > most_no_outline) continue;
       if (kept != i) parts[kept] = std::move(parts[i]);
       ++kept;
     }

@@ -319,6 +319,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   const bool may_be_one_part =
       std::any_of(frame.objects.begin(), frame.objects.end(), [](const FrameObject& o) { return o.whole_frame; });
   std::bitset<256> explained, weakly_explained;  // labels of what a part explains well, or does not
+  constexpr double weak = 0.8, strong = 0.85;
   for (const auto& object : frame.objects) {
     if ((object.labels & ~explained).none()) continue;  // a piece of what is explained as a whole
     if (object.larger_than_a_part) {
@@ -330,18 +331,25 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     constexpr double blurred_share = 0.08;  // noise beyond it hides what any part looks like
     if (target.view.noise_mm > blurred_share * impl_->pieces.largest_part_mm) continue;
     impl_->examine(target, false, time);
-    constexpr double weak = 0.8, strong = 0.85;
     if (target.best_score < weak && is_partly_hidden(target.view)) impl_->examine(target, true, time);
-    if (target.best_score < weak && !may_be_one_part) {
-      if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
-      auto hypotheses = time("anchored", [&] { return anchored_hypotheses(impl_->model_of, frame, object, 16); });
-      time("verify", [&] { impl_->verify(target, std::move(hypotheses)); });
-    }
-    if (target.best_score < weak) weakly_explained |= object.labels;
-    if (target.candidates.empty()) continue;
     if (target.best_score > strong) explained |= object.labels;
     targets.push_back(std::move(target));
   }
+  // What is less than a slender part shows when half of it is hidden is not looked at more closely.
+  constexpr double least_share = 0.05;  // of the square of the smallest diameter
+  for (auto& target : targets) {
+    const FrameObject& object = *target.view.object;
+    const double smallest_px = impl_->pieces.smallest_part_mm * camera.fx / target.view.all.centre_mm().z();
+    if (target.best_score >= weak || may_be_one_part || (object.labels & explained).any() ||
+        object.pixels < least_share * smallest_px * smallest_px)
+      continue;
+    if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
+    auto hypotheses = time("anchored", [&] { return anchored_hypotheses(impl_->model_of, frame, object, 16); });
+    time("verify", [&] { impl_->verify(target, std::move(hypotheses)); });
+    if (target.best_score < weak) weakly_explained |= object.labels;
+    if (target.best_score > strong) explained |= object.labels;
+  }
+  std::erase_if(targets, [](const Target& target) { return target.candidates.empty(); });
   weakly_explained &= ~explained;
   std::vector<SeparatedPart> separated;
   if (weakly_explained.any() && !may_be_one_part) {
