@@ -60,7 +60,12 @@ void bind_engine(nb::module_& parent) {
                 progress, [&](const Progress& told) { return new Engine(engine_catalogue(paths, told), options); });
           },
           "paths"_a, "options"_a = DescribedEngineOptions{}, "progress"_a = nb::none(), released,
-          "Of model files, or folders of them. Nothing is kept on disk.");
+          "Of model files, or folders of them. Nothing is kept on disk.")
+      .def("add", &Engine::add, "part"_a, released,
+           "One more part; the others are not touched. Raises Error when there is one of that name. Not while another "
+           "thread recognizes.")
+      .def("remove", &Engine::remove, "name"_a, released,
+           "Raises Error when there is no part of that name, or no other. Not while another thread recognizes.");
 }
 
 }  // namespace partpose::python

@@ -78,6 +78,20 @@ def test_engine_options(small_engine: partpose.Engine, bracket_scene: io.Scene) 
         engine.Engine.from_files(["nowhere"])
 
 
+def test_parts_come_and_go(bracket_scene: io.Scene) -> None:
+    flange, bracket = (io.read_meshes([ROOT / "parts" / f"{name}.stl"])[0] for name in ("flange", "bracket"))
+    growing = engine.Engine.from_files([ROOT / "parts/flange.stl"])
+    assert not growing.recognize(bracket_scene)
+    growing.add(bracket)
+    assert growing.recognize(bracket_scene).part == "bracket"
+    with pytest.raises(Error, match="flange"):
+        growing.add(flange)
+    growing.remove("bracket")
+    assert not growing.recognize(bracket_scene)
+    with pytest.raises(Error, match="bracket"):
+        growing.remove("bracket")
+
+
 def test_reports(tmp_path: Path, recognizer: partpose.Recognizer, bracket_scene: io.Scene) -> None:
     config = pipeline.GlobalPipelineConfig()
     found = recognizer.recognize(bracket_scene)

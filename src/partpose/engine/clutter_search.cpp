@@ -278,6 +278,7 @@ class Separation {
     while (next_label_ < last_label && used.test(next_label_)) ++next_label_;
     first_label_ = next_label_;
     for (const PartModel* model : models) {
+      if (!model) continue;
       largest_mm_ = std::max(largest_mm_, model->diameter_mm);
       smallest_mm_ = std::min(smallest_mm_, model->diameter_mm);
     }
@@ -298,6 +299,7 @@ class Separation {
     int outline = 0;             ///< measured pixels just outside its outline
     int no_outline = 0;          ///< of them: where the surface just goes on
     double gain = 0;             ///< of log-likelihood, over leaving its pixels unexplained
+    int stride = 1;              ///< of the comparison's pixels
   };
 
   static constexpr int last_label = 250;
@@ -367,6 +369,7 @@ class Separation {
     const int ring = (ring_px + window.stride - 1) / window.stride;
     const DepthImage rendered = render(model.outline, pose, window.frame.camera).depth;
     const Beyond beyond = beyond_outline(rendered, beyond_px, window.stride);
+    trial.stride = window.stride;
     trial.conflicts = trial.outline = trial.no_outline = 0;
     for (int v = 0; v < rendered.height; ++v)
       for (int u = 0; u < rendered.width; ++u) {
@@ -401,7 +404,8 @@ class Separation {
   /// Moves the part onto the pixels themselves, where that may help.
   void polish(Trial& trial, const FrameObject& rest) const {
     constexpr double hopeless = 0.001;
-    if (trial.comparison.explained < 0.2 * trial.comparison.model || probability_of_part(trial.comparison) < hopeless)
+    if (trial.comparison.explained < 0.2 * trial.comparison.model ||
+        probability_of_part(trial.comparison, trial.stride) < hopeless)
       return;
     const PartModel& model = *models_[trial.hypothesis.part];
     PartWindow window = window_of(frame_, rest, model, trial.hypothesis.camera_from_model, wanted_pixels, outline_px);
@@ -419,7 +423,7 @@ class Separation {
     constexpr double least_score = 0.7, least_seen = 0.3, most_conflicts = 0.1, most_no_outline = 0.25;
     const DepthComparison& c = trial.comparison;
     return c.explained > least_seen * c.model && trial.conflicts < most_conflicts * c.model &&
-           trial.no_outline < most_no_outline * trial.outline && probability_of_part(c) > least_score;
+           trial.no_outline < most_no_outline * trial.outline && probability_of_part(c, trial.stride) > least_score;
   }
 
   /// Gives what the part explains a label of its own.
@@ -557,6 +561,7 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
 
   std::map<double, std::vector<TurnedWindow>> windows;  // by the cells' size
   for (const PartModel* model : models) {
+    if (!model) continue;
     auto& of_size = windows[model->scale.cell_mm];
     if (!of_size.empty()) continue;
     of_size.resize(seeds.size());
@@ -569,6 +574,7 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
   std::vector<std::vector<Look>> of_seed(seeds.size());
   parallel_for(seeds.size(), [&](std::size_t s) {
     for (std::size_t part = 0; part < models.size(); ++part) {
+      if (!models[part]) continue;
       const PartModel& model = *models[part];
       const auto mm2_per_step = static_cast<float>(4 * model.scale.cell_mm * model.scale.cell_mm / model.scale.cap);
       const TurnedWindow& window = windows.at(model.scale.cell_mm)[s];

@@ -20,12 +20,12 @@ struct SeparatedPart {
 /// connected says little: in the pixels of the labels in `unexplained`. Starts are the parts' views about places on the
 /// surface (AnchoredViews); what the best of them explains is taken away, and what is left is looked at again, until
 /// nothing good is found. The pixels of each part get a label of their own, which all objects whose pixels they were
-/// get as well.
+/// get as well. Null models are left out.
 std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,
                                     const std::bitset<256>& unexplained);
 
 /// Parts at poses about places on the surface of `rest`, refined; best first, their cost is minus the mm2 of `rest`
-/// that they explain, less what speaks against them.
+/// that they explain, less what speaks against them. Null models are left out.
 std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> models, const FramePieces& frame,
                                             const FrameObject& rest, int most_seeds);
 

@@ -20,6 +20,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <set>
 
 namespace partpose {
 
@@ -35,6 +36,7 @@ struct Target {
   std::vector<double> log_likelihoods;    ///< of the candidates, of the coarse comparison
   double best_score = 0;                  ///< probability_of_part of the best
   Detection detection;                    ///< of the best candidate
+  std::set<int> heard;                    ///< parts whose hypotheses were refined
   FrameWindow fine;                       ///< about the contenders
   std::vector<ProjectiveRefinement> fit;  ///< of the contenders, before they are put into order
 
@@ -155,6 +157,8 @@ struct Engine::Impl {
   /// of, and drops targets that explain less than they.
   void add_separated(std::vector<Target>& targets, const FramePieces& frame, const std::vector<SeparatedPart>& parts,
                      StageTimes& time) const;
+  /// The models for a search that looks at every part; of a large catalogue only those heard, null for the others.
+  std::vector<const PartModel*> worth_a_search(const std::set<int>& heard) const;
   void verify(Target& target, std::vector<Hypothesis> hypotheses) const;
   /// Moves the contenders onto the data; returns the least that a fit leaves, in mm.
   double polish(Target& target) const;
@@ -289,6 +293,7 @@ void Engine::Impl::examine(Target& target, bool look_behind, StageTimes& time) c
     refine(hypotheses, model_of, target.view, target.view.few, 6);
     hypotheses = best_of(std::move(hypotheses), std::max<std::size_t>(24, hypotheses.size() / 4), 2);
   });
+  for (const auto& h : hypotheses) target.heard.insert(h.part);
   time("refine_2", [&] {
     refine(hypotheses, model_of, target.view, target.view.many, 8);
     const std::size_t kept = std::max<std::size_t>(6, hypotheses.size() / 5);
@@ -344,17 +349,21 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
         object.pixels < least_share * smallest_px * smallest_px)
       continue;
     if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
-    auto hypotheses = time("anchored", [&] { return anchored_hypotheses(impl_->model_of, frame, object, 16); });
+    auto hypotheses =
+        time("anchored", [&] { return anchored_hypotheses(impl_->worth_a_search(target.heard), frame, object, 8); });
     time("verify", [&] { impl_->verify(target, std::move(hypotheses)); });
     if (target.best_score < weak) weakly_explained |= object.labels;
     if (target.best_score > strong) explained |= object.labels;
   }
+  std::set<int> heard;
+  for (const auto& target : targets)
+    if ((target.view.object->labels & weakly_explained).any()) heard.insert(target.heard.begin(), target.heard.end());
   std::erase_if(targets, [](const Target& target) { return target.candidates.empty(); });
   weakly_explained &= ~explained;
   std::vector<SeparatedPart> separated;
   if (weakly_explained.any() && !may_be_one_part) {
     if (frame.shadow_of.empty()) time("separation", [&] { find_shadows(frame); });
-    separated = time("separation", [&] { return separate(impl_->model_of, frame, weakly_explained); });
+    separated = time("separation", [&] { return separate(impl_->worth_a_search(heard), frame, weakly_explained); });
     impl_->add_separated(targets, frame, separated, time);
   }
   const auto by_evidence = [](const Target& a, const Target& b) { return a.evidence() > b.evidence(); };
@@ -397,6 +406,15 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     r.result.timestamp = timestamp;
   }
   return r;
+}
+
+std::vector<const PartModel*> Engine::Impl::worth_a_search(const std::set<int>& heard) const {
+  constexpr std::size_t few_parts = 32;
+  std::vector<const PartModel*> out = model_of;
+  if (out.size() > few_parts)
+    for (int part = 0; part < static_cast<int>(out.size()); ++part)
+      if (!heard.count(part)) out[part] = nullptr;
+  return out;
 }
 
 void Engine::Impl::add_separated(std::vector<Target>& targets, const FramePieces& frame,
@@ -520,7 +538,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     target.candidates.push_back(candidate_of(hypotheses[i], static_cast<int>(i)));
     target.log_likelihoods.push_back(-hypotheses[i].cost);
   }
-  target.best_score = probability_of_part(compare(hypotheses[0]));
+  target.best_score = probability_of_part(compare(hypotheses[0]), stride_for(target.view, coarse_pixels));
 }
 
 /// Those that a closer look may still put first.
@@ -564,16 +582,17 @@ void Engine::Impl::decide(Target& target) const {
   auto& candidates = target.candidates;
   const std::size_t contenders = contenders_of(target);
   std::vector<DepthComparison> comparison(contenders);
-  const DepthComparer compare(target.fine, sensor(target, stride_for(target.view, fine_pixels)));
+  const int stride = stride_for(target.view, fine_pixels);
+  const DepthComparer compare(target.fine, sensor(target, stride));
   parallel_for(contenders, [&](std::size_t i) {
     const int part = part_of(candidates[i]);
     const PartModel& model = *models[part];
     const Eigen::Isometry3d& pose = candidates[i].camera_from_model;
     comparison[i] = compare(model.surface, pose, covered(target.fine.camera, model, pose), model.surface.faces);
-    candidates[i].score = static_cast<float>(probability_of_part(comparison[i]));
+    candidates[i].score = static_cast<float>(probability_of_part(comparison[i], stride));
   });
   std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < contenders; ++i) order.emplace_back(-comparison[i].log_likelihood, i);
+  for (std::size_t i = 0; i < contenders; ++i) order.emplace_back(-log_evidence(comparison[i]), i);
   std::sort(order.begin(), order.end());
   std::vector<Candidate> decided;
   for (const auto& [negative, i] : order) decided.push_back(candidates[i]);
@@ -593,12 +612,12 @@ void Engine::Impl::decide(Target& target) const {
 }
 
 /// The best candidate as a detection, with the others that may be right. `order`: the contenders by rising negative
-/// log-likelihood.
+/// log-evidence.
 void Engine::Impl::describe(Target& target, const std::vector<std::pair<double, std::size_t>>& order) const {
   const int stride = stride_for(target.view, fine_pixels);
-  std::vector<double> log_likelihoods;
-  for (const auto& [negative, i] : order) log_likelihoods.push_back(-negative);
-  const std::vector<double> share = shares(log_likelihoods, stride);
+  std::vector<double> log_evidences;
+  for (const auto& [negative, i] : order) log_evidences.push_back(-negative);
+  const std::vector<double> share = shares(log_evidences, stride);
 
   const Candidate& best = target.candidates[0];
   Detection& detection = target.detection;

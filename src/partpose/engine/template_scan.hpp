@@ -21,8 +21,8 @@ struct TurnedTemplates {
   Eigen::Vector3d centre_mm;  ///< camera frame
   std::vector<DepthTemplate> full;
   std::vector<SmallTemplate> small;
-  float known = 1;            ///< share of the cells that are not unknown, at the first turn
-  float beyond_mm2 = 0;       ///< of the object's surface that is too far away for a part of this size
+  float known = 1;       ///< share of the cells that are not unknown, at the first turn
+  float beyond_mm2 = 0;  ///< of the object's surface that is too far away for a part of this size
 };
 
 using TurnedByScale = std::map<double, std::vector<TurnedTemplates>>;  ///< by the cells' size in mm, about some places

@@ -15,13 +15,13 @@ namespace partpose {
 namespace {
 
 /// So many pixels of a stereo camera's depth err together: about the area within its correlation length.
-constexpr double alike_px = 130;
+constexpr double alike_px = 200;
 
 double share(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
 
 }  // namespace
 
-double probability_of_part(const DepthComparison& c) {
+double probability_of_part(const DepthComparison& c, int stride) {
   if (c.explained == 0) return 0;
   const int visible = std::max(c.model - c.hidden, 1);
   const double gain = c.best_log_likelihood > 0 ? std::min(c.log_likelihood / c.best_log_likelihood, 1.0) : 0;
@@ -30,6 +30,8 @@ double probability_of_part(const DepthComparison& c) {
                        5.1 * share(c.model_outline, visible);
   return 1 / (1 + std::exp(-logit));
 }
+
+double log_evidence(const DepthComparison& c) { return c.log_likelihood - 0.5 * c.squared_deviations; }
 
 std::vector<double> shares(std::span<const double> log_likelihoods, int stride) {
   std::vector<double> out;

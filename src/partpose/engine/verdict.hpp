@@ -10,11 +10,15 @@
 
 namespace partpose {
 
-/// Probability that the part is what is seen, about at this pose, by how the two explain each other alone. A logistic
-/// regression (Cox 1958); docs/engine.md says on which frames it was fitted.
-double probability_of_part(const DepthComparison& comparison);
+/// Probability that the part is what is seen, about at this pose, by how the two explain each other alone, compared on
+/// every `stride`-th pixel. A logistic regression (Cox 1958); docs/engine.md says on which frames it was fitted.
+double probability_of_part(const DepthComparison& comparison, int stride);
 
-/// Probabilities of poses of which one is right, by their log-likelihoods on every `stride`-th pixel: a stereo camera's
+/// By which poses of one object compete: the log-likelihood with the squared deviations counted twice, since most of
+/// the noise is waves that all poses share. Fitted with the above.
+double log_evidence(const DepthComparison& comparison);
+
+/// Probabilities of poses of which one is right, by their log-evidences on every `stride`-th pixel: a stereo camera's
 /// errors are alike over some tens of pixels, so that these are worth fewer than they are.
 std::vector<double> shares(std::span<const double> log_likelihoods, int stride);
 

@@ -21,28 +21,28 @@ DepthComparison good_comparison() {
 }
 
 TEST(Verdict, FallsWithWhatIsNotExplained) {
-  const double good = probability_of_part(good_comparison());
+  const double good = probability_of_part(good_comparison(), 2);
   EXPECT_GT(good, 0.9);
   DepthComparison unexplained = good_comparison(), free_space = good_comparison();
   unexplained.unexplained = 250;
   free_space.free_space = 100;
-  EXPECT_LT(probability_of_part(unexplained), 0.2);
-  EXPECT_LT(probability_of_part(free_space), 0.3);
-  EXPECT_EQ(probability_of_part({}), 0);
+  EXPECT_LT(probability_of_part(unexplained, 2), 0.2);
+  EXPECT_LT(probability_of_part(free_space, 2), 0.3);
+  EXPECT_EQ(probability_of_part({}, 2), 0);
 }
 
 TEST(Verdict, WhatIsHiddenIsNotHeldAgainstAPart) {
   DepthComparison hidden = good_comparison();
   hidden.model = 1700;
   hidden.hidden = 700;
-  EXPECT_NEAR(probability_of_part(hidden), probability_of_part(good_comparison()), 1e-9);
+  EXPECT_NEAR(probability_of_part(hidden, 2), probability_of_part(good_comparison(), 2), 1e-9);
 }
 
 TEST(Verdict, SharesAddUpAndFavourTheLikelier) {
-  const std::vector<double> values = {1000, 1000 - 130, 100};
+  const std::vector<double> values = {1000, 1000 - 200, -1000};
   const auto share = shares(values, 1);
   EXPECT_NEAR(std::accumulate(share.begin(), share.end(), 0.0), 1, 1e-12);
-  EXPECT_NEAR(share[0] / share[1], std::exp(1.0), 1e-9);  // 130 pixels err together
+  EXPECT_NEAR(share[0] / share[1], std::exp(1.0), 1e-9);  // 200 pixels err together
   EXPECT_LT(share[2], 1e-3);
   EXPECT_TRUE(shares({}, 1).empty());
 }
