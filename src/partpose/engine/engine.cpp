@@ -150,6 +150,7 @@ struct Engine::Impl {
   std::vector<std::shared_ptr<const PartModel>> models;
   std::vector<const PartModel*> model_of;  ///< the same
   FramePiecesOptions pieces;
+  double smallest_view_mm2 = 0;  ///< what is seen of the smallest part, from its median side
 
   void models_changed();
   void examine(Target& target, bool look_behind, StageTimes& time) const;
@@ -203,11 +204,17 @@ void Engine::Impl::models_changed() {
   model_of.clear();
   pieces.largest_part_mm = 0;
   pieces.smallest_part_mm = std::numeric_limits<float>::infinity();
+  smallest_view_mm2 = std::numeric_limits<double>::infinity();
   for (const auto& model : models) {
     const auto size = static_cast<float>(model->diameter_mm);
     pieces.largest_part_mm = std::max(pieces.largest_part_mm, size);
     pieces.smallest_part_mm = std::min(pieces.smallest_part_mm, size);
     model_of.push_back(model.get());
+    std::vector<float> seen_mm2;
+    for (const auto& view : model->views) seen_mm2.push_back(view.seen_mm2);
+    const auto median = seen_mm2.begin() + static_cast<std::ptrdiff_t>(seen_mm2.size() / 2);
+    std::nth_element(seen_mm2.begin(), median, seen_mm2.end());
+    if (!seen_mm2.empty()) smallest_view_mm2 = std::min<double>(smallest_view_mm2, *median);
   }
 }
 
@@ -340,13 +347,13 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     if (target.best_score > strong) explained |= object.labels;
     targets.push_back(std::move(target));
   }
-  // What is less than a slender part shows when half of it is hidden is not looked at more closely.
-  constexpr double least_share = 0.05;  // of the square of the smallest diameter
+  // What is less than a part shows when three quarters of it are hidden is not looked at more closely.
+  constexpr double least_share = 0.25;
   for (auto& target : targets) {
     const FrameObject& object = *target.view.object;
-    const double smallest_px = impl_->pieces.smallest_part_mm * camera.fx / target.view.all.centre_mm().z();
+    const double px_per_mm = camera.fx / target.view.all.centre_mm().z();
     if (target.best_score >= weak || may_be_one_part || (object.labels & explained).any() ||
-        object.pixels < least_share * smallest_px * smallest_px)
+        object.pixels < least_share * impl_->smallest_view_mm2 * px_per_mm * px_per_mm)
       continue;
     if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
     auto hypotheses =
