@@ -4,6 +4,7 @@
 
 #include "partpose/camera/rasterizer.hpp"
 #include "partpose/camera/virtual_depth_camera.hpp"
+#include "partpose/core/parallel.hpp"
 #include "partpose/core/pose.hpp"
 #include "partpose/core/random.hpp"
 #include "partpose/descriptor/crh.hpp"
@@ -194,22 +195,41 @@ PartModel::PartModel(const TriangleMesh& mesh)
   surface = simpler(surface_share);
   samples_mm = surface_points(mesh, surface_samples);
   const Intrinsics camera = view_camera();
-  for (const auto& direction : icosphere_directions(subdivisions, true)) {
+  struct Made {
+    PartView view;
+    DepthTemplate cells;
+    AnchoredViews anchored;
+    bool seen = false;
+  };
+  const auto directions = icosphere_directions(subdivisions, true);
+  std::vector<Made> made(directions.size());
+  parallel_for(directions.size(), [&](std::size_t i) {
     const Eigen::Isometry3d camera_from_model =
-        look_at(middle_mm + distance_share * diameter_mm * direction, middle_mm).inverse();
+        look_at(middle_mm + distance_share * diameter_mm * directions[i], middle_mm).inverse();
     const PointCloud seen = to_point_cloud(render_depth(surface, camera_from_model, camera), camera);
-    if (seen.empty()) continue;
+    if (seen.empty()) return;
     const Eigen::Vector3d centre = centroid(seen);
     Eigen::Isometry3d sight_from_camera = Eigen::Isometry3d::Identity();
     sight_from_camera.linear() = sight_frame(centre);
     sight_from_camera.translation() = -sight_from_camera.linear() * centre;
-    const PointCloud relative = transformed(seen, sight_from_camera);
-    templates.push_back(make_template(relative.points, 0, centre.norm() / camera.fx, scale));
-    small_templates.push_back(halved(templates.back()));
     const double spacing_mm = centre.norm() / camera.fx;
-    anchored.add(static_cast<int>(views.size()), seen, camera_from_model, spacing_mm, scale);
-    views.push_back(make_view(seen, camera_from_model, sight_from_camera));
-    views.back().seen_mm2 = static_cast<float>(static_cast<double>(seen.size()) * spacing_mm * spacing_mm);
+    made[i].cells = make_template(transformed(seen, sight_from_camera).points, 0, spacing_mm, scale);
+    made[i].view = make_view(seen, camera_from_model, sight_from_camera);
+    made[i].view.seen_mm2 = static_cast<float>(static_cast<double>(seen.size()) * spacing_mm * spacing_mm);
+    made[i].anchored.add(0, seen, camera_from_model, spacing_mm, scale);
+    made[i].seen = true;
+  });
+  for (Made& of_view : made) {
+    if (!of_view.seen) continue;
+    for (auto& anchor : of_view.anchored.anchors) {
+      anchor.view = static_cast<std::int16_t>(views.size());
+      anchored.anchors.push_back(anchor);
+    }
+    anchored.templates.insert(anchored.templates.end(), of_view.anchored.templates.begin(),
+                              of_view.anchored.templates.end());
+    templates.push_back(of_view.cells);
+    small_templates.push_back(halved(of_view.cells));
+    views.push_back(of_view.view);
   }
   partners = find_partners(*this);
 }
