@@ -3,6 +3,7 @@ from collections.abc import Callable, Mapping, Sequence
 import os
 from typing import Any, Self
 
+import partpose.io
 import partpose.pipeline
 
 
@@ -49,3 +50,13 @@ class Engine(partpose.pipeline.PartRecognizer):
     @staticmethod
     def from_files(paths: Sequence[str | os.PathLike[str]], options: EngineOptions = ..., progress: Callable[[str, int, int], object] | None = None) -> Engine:
         """Of model files, or folders of them. Nothing is kept on disk."""
+
+    def add(self, part: partpose.io.NamedMesh) -> None:
+        """
+        One more part; the others are not touched. Raises Error when there is one of that name. Not while another thread recognizes.
+        """
+
+    def remove(self, name: str) -> None:
+        """
+        Raises Error when there is no part of that name, or no other. Not while another thread recognizes.
+        """
