@@ -397,16 +397,28 @@ class Splitter {
     std::erase_if(cells, [&](int cell) { return !near[cell]; });
   }
 
+  bool lies_on(const Cells& cells, const CutPlane& plane) const {
+    constexpr double least_share = 0.7;
+    const std::vector<float> height = heights_mm(plane, cells);
+    const auto on_it =
+        std::count_if(height.begin(), height.end(), [&](float h) { return std::abs(h) <= plane.cut_mm; });
+    return static_cast<double>(on_it) > least_share * static_cast<double>(cells.size());
+  }
+
   void split(const Cells& remaining, const CutPlane& plane, int level) {
     constexpr int most_levels = 3;
     for (auto& piece : connected(remaining)) {
       if (static_cast<int>(piece.size()) < min_cells_) continue;
       if (is_plausible(piece)) {
         if (stands_out(piece, plane, level)) add({std::move(piece), plane});
-      } else if (level == 0 && is_heap(piece)) {
-        if (stands_out(piece, plane, level)) add({std::move(piece), plane, true});
-      } else if (level + 1 < most_levels && is_too_large(piece)) {
-        if (const auto next = dominant_plane(piece)) remove_plane_and_split(piece, *next, level + 1);
+      } else if (is_too_large(piece) && level + 1 < most_levels) {
+        const auto next = dominant_plane(piece);
+        // What lies in one plane for the most part is another table, not parts that touch.
+        if (level == 0 && is_heap(piece) && !(next && lies_on(piece, *next))) {
+          if (stands_out(piece, plane, level)) add({std::move(piece), plane, true});
+        } else if (next) {
+          remove_plane_and_split(piece, *next, level + 1);
+        }
       }
     }
   }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/core/parallel.hpp"
+#include "partpose/engine/engine.hpp"
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/io/model_files.hpp"
@@ -163,6 +164,21 @@ TEST_F(ShippedFrames, TheSameBitsWithOneThreadAndWithTwo) {
     }
     EXPECT_EQ(one.result.T_final.matrix(), two.result.T_final.matrix()) << name;
     EXPECT_EQ(one.candidates.size(), two.candidates.size()) << name;
+  }
+}
+
+TEST(ShippedFramesByTheEngine, AllAreRecognizedWithTheirPoses) {
+  const Engine engine(read_meshes(std::vector<fs::path>{root / "parts"}));
+  const CapturedSet set = read_captured_set(root / "scenes");
+  for (const auto& scene : set.scenes) {
+    const Recognition recognition = engine.recognize(read_scene(scene.path));
+    EXPECT_EQ(recognition.result.model_name, scene.model_name) << scene.path << " " << recognition.reason;
+    if (recognition.detections.empty() || recognition.result.model_name != scene.model_name) continue;
+    const auto error =
+        symmetric_pose_error(recognition.result.T_final, scene.camera_from_model, set.symmetries.at(scene.model_name),
+                             bounding_box(engine.catalogue().parts[recognition.detections[0].part].mesh));
+    EXPECT_LT(error.rotation_deg, 5) << scene.path;
+    EXPECT_LT(error.translation_mm, 5) << scene.path;
   }
 }
 
