@@ -196,19 +196,12 @@ struct PartWindow {
 PartWindow window_of(const FramePieces& frame, const FrameObject& rest, const PartModel& model,
                      const Eigen::Isometry3d& camera_from_model, int wanted, int margin_px) {
   const Intrinsics& camera = frame.camera;
-  double u0 = camera.width, u1 = 0, v0 = camera.height, v1 = 0;
-  for (int k = 0; k < 8; ++k) {
-    const Eigen::Vector3d corner =
-        camera_from_model * model.box_mm.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k));
-    if (corner.z() < 1) continue;
-    const Eigen::Vector2d pixel = camera.project(corner);
-    u0 = std::min(u0, pixel.x()), u1 = std::max(u1, pixel.x());
-    v0 = std::min(v0, pixel.y()), v1 = std::max(v1, pixel.y());
-  }
+  const Eigen::AlignedBox2d box = model.covered(camera, camera_from_model);
   const auto pixel = [&](double x, int most) { return static_cast<int>(std::clamp<double>(x, 0, most - 1)); };
   PartWindow out;
-  out.u0 = pixel(u0 - margin_px, camera.width), out.v0 = pixel(v0 - margin_px, camera.height);
-  const int last_u = pixel(u1 + margin_px, camera.width), last_v = pixel(v1 + margin_px, camera.height);
+  out.u0 = pixel(box.min().x() - margin_px, camera.width), out.v0 = pixel(box.min().y() - margin_px, camera.height);
+  const int last_u = pixel(box.max().x() + margin_px, camera.width);
+  const int last_v = pixel(box.max().y() + margin_px, camera.height);
   // A part covers about half of its box.
   const double covered = 0.5 * (last_u - out.u0 + 1) * (last_v - out.v0 + 1);
   out.stride = wanted > 0 ? std::max(1, static_cast<int>(std::lround(std::sqrt(covered / wanted)))) : 1;

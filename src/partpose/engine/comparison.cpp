@@ -249,9 +249,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
         const float behind_mm =
             frame_.depth.z_mm[static_cast<std::size_t>(v0 + v) * frame_.depth.width + u0 + u] - near.z_mm;
         if (behind_mm < static_cast<float>(sensor.edge_mm)) continue;
-        const int distance = near.distance;
-        out.missing_outline += distance <= sensor.growth_px;
-        log_likelihood += outline.log_free(distance);
+        log_likelihood += outline.log_free(near.distance);
       }
     }
   }

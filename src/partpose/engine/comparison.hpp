@@ -46,7 +46,6 @@ struct DepthComparison {
   int hidden = 0;                  ///< of them: behind something else that was measured
   int nothing = 0;                 ///< of them: nothing was measured
   int model_outline = 0;           ///< of them: not the object's, but next to it
-  int missing_outline = 0;         ///< pixels beside the part that it should have grown over, but did not
   int object = 0;                  ///< pixels of the object
   int unexplained = 0;             ///< of them: no part is rendered there within three deviations, nor at a neighbour
   int object_outline = 0;          ///< of them: not the part's, but next to it

@@ -87,24 +87,12 @@ int stride_for(const ObjectView& view, int wanted) {
   return std::max(1, static_cast<int>(std::lround(std::sqrt(view.object->pixels / double(wanted)))));
 }
 
-/// Where a part at its pose is seen, in pixels.
-Eigen::AlignedBox2d covered(const Intrinsics& camera, const PartModel& model,
-                            const Eigen::Isometry3d& camera_from_model) {
-  Eigen::AlignedBox2d box;
-  for (int k = 0; k < 8; ++k) {
-    const Eigen::Vector3d corner =
-        camera_from_model * model.box_mm.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k));
-    if (corner.z() >= 1) box.extend(camera.project(corner));
-  }
-  return box;
-}
-
-/// The same however the part is turned about its middle.
+/// Where a part is seen however it is turned about its middle, in pixels.
 Eigen::AlignedBox2d covered_at_any_turn(const Intrinsics& camera, const PartModel& model,
                                         const Eigen::Isometry3d& camera_from_model) {
   const Eigen::Vector3d middle = camera_from_model * model.middle_mm;
   const double radius_mm = 0.5 * model.box_mm.diagonal().norm();
-  if (middle.z() - radius_mm < 1) return covered(camera, model, camera_from_model);
+  if (middle.z() - radius_mm < 1) return model.covered(camera, camera_from_model);
   const Eigen::Vector2d reach = Eigen::Vector2d(camera.fx, camera.fy) * (radius_mm / (middle.z() - radius_mm));
   const Eigen::Vector2d pixel = camera.project(middle);
   return {pixel - reach, pixel + reach};
@@ -397,7 +385,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   }
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
   if (targets.empty()) {
-    r.reason = "no object has enough points";
+    r.reason = "nothing that stands out is like any of the parts: too few points, too much noise, or too large";
     return r;
   }
   r.detections = impl_->detections(targets);
@@ -509,7 +497,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
   const DepthComparer comparer(frame, sensor(target, stride_for(target.view, coarse_pixels)));
   const auto compare = [&](const Hypothesis& h) {
     const PartModel& model = *models[h.part];
-    return comparer(model.outline, h.camera_from_model, covered(frame.camera, model, h.camera_from_model),
+    return comparer(model.outline, h.camera_from_model, model.covered(frame.camera, h.camera_from_model),
                     model.outline.faces);
   };
   parallel_for(hypotheses.size(), [&](std::size_t i) { hypotheses[i].cost = -compare(hypotheses[i]).log_likelihood; });
@@ -564,7 +552,7 @@ double Engine::Impl::polish(Target& target) const {
   target.fit.resize(contenders);
   Eigen::AlignedBox2d pixels;
   for (std::size_t i = 0; i < contenders; ++i)
-    pixels.extend(covered(target.view.frame->camera, *models[part_of(candidates[i])], candidates[i].camera_from_model));
+    pixels.extend(models[part_of(candidates[i])]->covered(target.view.frame->camera, candidates[i].camera_from_model));
   target.fine = window_about(target.view, pixels, fine_pixels);
   const DepthImage depth = object_depth(target.fine);
   parallel_for(contenders, [&](std::size_t i) {
@@ -595,7 +583,7 @@ void Engine::Impl::decide(Target& target) const {
     const int part = part_of(candidates[i]);
     const PartModel& model = *models[part];
     const Eigen::Isometry3d& pose = candidates[i].camera_from_model;
-    comparison[i] = compare(model.surface, pose, covered(target.fine.camera, model, pose), model.surface.faces);
+    comparison[i] = compare(model.surface, pose, model.covered(target.fine.camera, pose), model.surface.faces);
     candidates[i].score = static_cast<float>(probability_of_part(comparison[i], stride));
   });
   std::vector<std::pair<double, std::size_t>> order;

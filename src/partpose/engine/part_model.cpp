@@ -241,6 +241,15 @@ bool PartModel::is_symmetry(const Eigen::Isometry3d& model_from_model, double to
   });
 }
 
+Eigen::AlignedBox2d PartModel::covered(const Intrinsics& camera, const Eigen::Isometry3d& camera_from_model) const {
+  Eigen::AlignedBox2d box;
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Vector3d corner = camera_from_model * box_mm.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k));
+    if (corner.z() >= 1) box.extend(camera.project(corner));
+  }
+  return box;
+}
+
 std::size_t PartModel::memory_bytes() const {
   const auto mesh_bytes = [](const TriangleMesh& mesh) {
     return mesh.vertices.size() * sizeof(mesh.vertices[0]) + mesh.triangles.size() * sizeof(mesh.triangles[0]);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "partpose/camera/rasterizer.hpp"
+#include "partpose/core/depth_image.hpp"
 #include "partpose/core/mesh.hpp"
 #include "partpose/engine/anchored_template.hpp"
 #include "partpose/engine/depth_template.hpp"
@@ -52,6 +53,9 @@ struct PartModel {
 
   /// Whether the part, moved so, is where it was, to within `tolerance_mm` everywhere.
   bool is_symmetry(const Eigen::Isometry3d& model_from_model, double tolerance_mm) const;
+
+  /// The box of where its own box's corners are seen, in pixels; empty when all are behind the camera.
+  Eigen::AlignedBox2d covered(const Intrinsics& camera, const Eigen::Isometry3d& camera_from_model) const;
 
   std::size_t memory_bytes() const;
 };
