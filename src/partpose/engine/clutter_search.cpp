@@ -292,7 +292,6 @@ class Separation {
     int outline = 0;             ///< measured pixels just outside its outline
     int no_outline = 0;          ///< of them: where the surface just goes on
     double gain = 0;             ///< of log-likelihood, over leaving its pixels unexplained
-    int stride = 1;              ///< of the comparison's pixels
   };
 
   static constexpr int last_label = 250;
@@ -362,7 +361,6 @@ class Separation {
     const int ring = (ring_px + window.stride - 1) / window.stride;
     const DepthImage rendered = render(model.outline, pose, window.frame.camera).depth;
     const Beyond beyond = beyond_outline(rendered, beyond_px, window.stride);
-    trial.stride = window.stride;
     trial.conflicts = trial.outline = trial.no_outline = 0;
     for (int v = 0; v < rendered.height; ++v)
       for (int u = 0; u < rendered.width; ++u) {
@@ -397,8 +395,7 @@ class Separation {
   /// Moves the part onto the pixels themselves, where that may help.
   void polish(Trial& trial, const FrameObject& rest) const {
     constexpr double hopeless = 0.001;
-    if (trial.comparison.explained < 0.2 * trial.comparison.model ||
-        probability_of_part(trial.comparison, trial.stride) < hopeless)
+    if (trial.comparison.explained < 0.2 * trial.comparison.model || probability_of_part(trial.comparison) < hopeless)
       return;
     const PartModel& model = *models_[trial.hypothesis.part];
     PartWindow window = window_of(frame_, rest, model, trial.hypothesis.camera_from_model, wanted_pixels, outline_px);
@@ -416,7 +413,7 @@ class Separation {
     constexpr double least_score = 0.7, least_seen = 0.3, most_conflicts = 0.1, most_no_outline = 0.25;
     const DepthComparison& c = trial.comparison;
     return c.explained > least_seen * c.model && trial.conflicts < most_conflicts * c.model &&
-           trial.no_outline < most_no_outline * trial.outline && probability_of_part(c, trial.stride) > least_score;
+           trial.no_outline < most_no_outline * trial.outline && probability_of_part(c) > least_score;
   }
 
   /// Gives what the part explains a label of its own.

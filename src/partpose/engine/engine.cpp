@@ -533,7 +533,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     target.candidates.push_back(candidate_of(hypotheses[i], static_cast<int>(i)));
     target.log_likelihoods.push_back(-hypotheses[i].cost);
   }
-  target.best_score = probability_of_part(compare(hypotheses[0]), stride_for(target.view, coarse_pixels));
+  target.best_score = probability_of_part(compare(hypotheses[0]));
 }
 
 /// Those that a closer look may still put first.
@@ -584,7 +584,7 @@ void Engine::Impl::decide(Target& target) const {
     const PartModel& model = *models[part];
     const Eigen::Isometry3d& pose = candidates[i].camera_from_model;
     comparison[i] = compare(model.surface, pose, model.covered(target.fine.camera, pose), model.surface.faces);
-    candidates[i].score = static_cast<float>(probability_of_part(comparison[i], stride));
+    candidates[i].score = static_cast<float>(probability_of_part(comparison[i]));
   });
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < contenders; ++i) order.emplace_back(-log_evidence(comparison[i]), i);

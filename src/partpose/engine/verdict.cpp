@@ -21,7 +21,7 @@ double share(int part, int whole) { return whole > 0 ? static_cast<double>(part)
 
 }  // namespace
 
-double probability_of_part(const DepthComparison& c, int stride) {
+double probability_of_part(const DepthComparison& c) {
   if (c.explained == 0) return 0;
   const int visible = std::max(c.model - c.hidden, 1);
   const double gain = c.best_log_likelihood > 0 ? std::min(c.log_likelihood / c.best_log_likelihood, 1.0) : 0;

@@ -10,9 +10,9 @@
 
 namespace partpose {
 
-/// Probability that the part is what is seen, about at this pose, by how the two explain each other alone, compared on
-/// every `stride`-th pixel. A logistic regression (Cox 1958); docs/engine.md says on which frames it was fitted.
-double probability_of_part(const DepthComparison& comparison, int stride);
+/// Probability that the part is what is seen, about at this pose, by how the two explain each other alone. A logistic
+/// regression (Cox 1958); docs/engine.md says on which frames it was fitted.
+double probability_of_part(const DepthComparison& comparison);
 
 /// By which poses of one object compete: the log-likelihood with the squared deviations counted twice, since most of
 /// the noise is waves that all poses share. Fitted with the above.

@@ -21,21 +21,21 @@ DepthComparison good_comparison() {
 }
 
 TEST(Verdict, FallsWithWhatIsNotExplained) {
-  const double good = probability_of_part(good_comparison(), 2);
+  const double good = probability_of_part(good_comparison());
   EXPECT_GT(good, 0.9);
   DepthComparison unexplained = good_comparison(), free_space = good_comparison();
   unexplained.unexplained = 250;
   free_space.free_space = 100;
-  EXPECT_LT(probability_of_part(unexplained, 2), 0.2);
-  EXPECT_LT(probability_of_part(free_space, 2), 0.3);
-  EXPECT_EQ(probability_of_part({}, 2), 0);
+  EXPECT_LT(probability_of_part(unexplained), 0.2);
+  EXPECT_LT(probability_of_part(free_space), 0.3);
+  EXPECT_EQ(probability_of_part({}), 0);
 }
 
 TEST(Verdict, WhatIsHiddenIsNotHeldAgainstAPart) {
   DepthComparison hidden = good_comparison();
   hidden.model = 1700;
   hidden.hidden = 700;
-  EXPECT_NEAR(probability_of_part(hidden, 2), probability_of_part(good_comparison(), 2), 1e-9);
+  EXPECT_NEAR(probability_of_part(hidden), probability_of_part(good_comparison()), 1e-9);
 }
 
 TEST(Verdict, SharesAddUpAndFavourTheLikelier) {
