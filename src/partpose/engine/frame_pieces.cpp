@@ -28,7 +28,12 @@ constexpr float stands_out_cuts = 1.7f;
 
 class UnionFind {
  public:
-  explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit UnionFind(std::size_t count = 0) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  std::size_t size() const { return parent_.size(); }
+  int add() {
+    parent_.push_back(static_cast<int>(parent_.size()));
+    return parent_.back();
+  }
   int find(int i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
@@ -77,6 +82,7 @@ using Cells = std::vector<int>;  ///< indices into a Grid, rising
 struct CutPlane {
   FlatSurface plane;
   float cut_mm = 0;  ///< what lies nearer to it belongs to it
+  float at_mm = 0;   ///< the distance from the camera that this is meant for: noise grows with its square
 };
 
 /// Heights over a surface along one row of an image, all of whose rays have the same y.
@@ -113,7 +119,7 @@ std::array<float, FlatSurface::terms> powers(const Eigen::Vector3f& ray) {
 class Splitter {
  public:
   Splitter(const Grid& grid, const Intrinsics& camera, const FramePiecesOptions& options)
-      : grid_(grid), camera_(camera), options_(options), slot_(grid.z_mm.size(), -1) {
+      : grid_(grid), camera_(camera), options_(options), number_(grid.z_mm.size(), -1) {
     Cells measured(grid.z_mm.size());
     std::size_t count = 0;
     for (int i = 0; i < static_cast<int>(grid.z_mm.size()); ++i) {
@@ -143,36 +149,48 @@ class Splitter {
   std::optional<CutPlane> table;
 
  private:
-  /// The largest width along 13 directions: the diameter, less some per cent.
-  float extent_mm(const Cells& cells) const {
-    static const std::array<Eigen::Vector3f, 13> directions = [] {
-      std::array<Eigen::Vector3f, 13> out;
-      for (int code = 14; code < 27; ++code)  // one of each pair of opposite directions with entries -1, 0, 1
-        out[code - 14] = Eigen::Vector3f(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1).normalized();
+  /// The largest width along 13 directions: the diameter, less some per cent. Of every `step`-th cell.
+  float extent_mm(const Cells& cells, std::size_t step = 1) const {
+    constexpr int directions = 13, padded = 16;
+    struct Directions {
+      std::array<float, padded> x{}, y{}, z{};
+    };
+    static const Directions along = [] {
+      Directions out;
+      for (int k = 0; k < directions; ++k) {
+        const int code = directions + 1 + k;  // one of each pair of opposite directions with entries -1, 0, 1
+        const Eigen::Vector3f d = Eigen::Vector3f(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1).normalized();
+        out.x[k] = d.x(), out.y[k] = d.y(), out.z[k] = d.z();
+      }
       return out;
     }();
-    std::array<float, 13> low, high;
+    alignas(32) std::array<float, padded> low, high;
     low.fill(std::numeric_limits<float>::infinity());
     high.fill(-std::numeric_limits<float>::infinity());
-    for (const int cell : cells) {
-      const Eigen::Vector3f p = grid_.point(cell);
-      for (int k = 0; k < 13; ++k) {
-        const float along = directions[k].dot(p);
-        low[k] = std::min(low[k], along);
-        high[k] = std::max(high[k], along);
+    for (std::size_t i = 0; i < cells.size(); i += step) {
+      const Eigen::Vector3f p = grid_.point(cells[i]);
+#pragma omp simd
+      for (int k = 0; k < padded; ++k) {
+        const float width = along.x[k] * p.x() + along.y[k] * p.y() + along.z[k] * p.z();
+        low[k] = std::min(low[k], width);
+        high[k] = std::max(high[k], width);
       }
     }
     float largest = 0;
-    for (int k = 0; k < 13; ++k) largest = std::max(largest, high[k] - low[k]);
+    for (int k = 0; k < directions; ++k) largest = std::max(largest, high[k] - low[k]);
     return largest;
   }
 
-  bool is_too_large(const Cells& cells) const { return extent_mm(cells) > size_margin * options_.largest_part_mm; }
+  bool is_wider(const Cells& cells, float limit_mm) const {
+    constexpr std::size_t few = 16;  // of a table a few cells tell
+    return extent_mm(cells, few) > limit_mm || extent_mm(cells) > limit_mm;
+  }
+  bool is_too_large(const Cells& cells) const { return is_wider(cells, size_margin * options_.largest_part_mm); }
 
   /// Some parts that touch: larger than one, but not by far.
   bool is_heap(const Cells& cells) const {
     return static_cast<int>(cells.size()) >= min_cells_ && is_too_large(cells) &&
-           extent_mm(cells) < most_parts_long * options_.largest_part_mm;
+           !is_wider(cells, most_parts_long * options_.largest_part_mm);
   }
 
   bool is_plausible(const Cells& cells) const {
@@ -182,8 +200,7 @@ class Splitter {
     const double cell_mm = grid_.stride * middle_z / std::max(camera_.fx, camera_.fy);
     const double largest_mm = size_margin * options_.largest_part_mm;
     if (static_cast<double>(cells.size()) * cell_mm * cell_mm > 4 * largest_mm * largest_mm) return false;
-    const float extent = extent_mm(cells);
-    if (extent > largest_mm || extent < 0.3f * options_.smallest_part_mm) return false;
+    if (is_too_large(cells) || extent_mm(cells) < 0.3f * options_.smallest_part_mm) return false;
     // Even a plate seen edge-on covers a few per cent of its diameter's square.
     const double smallest_cells = options_.smallest_part_mm / cell_mm;
     return static_cast<double>(cells.size()) >= 0.02 * smallest_cells * smallest_cells;
@@ -247,22 +264,33 @@ class Splitter {
     if (most_votes < smallest_share * static_cast<double>(voters.size())) return std::nullopt;
 
     const Cells some = every_nth(6000);
+    std::vector<Eigen::Vector3f> rays;
+    std::vector<float> depths_mm;
+    rays.reserve(some.size());
+    depths_mm.reserve(some.size());
+    for (const int cell : some) {
+      rays.push_back(grid_.ray(cell));
+      depths_mm.push_back(grid_.z_mm[cell]);
+    }
     float squared = 0;
+    double fourth_powers = 0;  // of the depths
     int on_it = 0;
     for (int round = 0; round < 3; ++round) {
       Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
       Eigen::Vector3d right = Eigen::Vector3d::Zero();
       const float per_mm = best.q.norm();
       squared = 0;
+      fourth_powers = 0;
       on_it = 0;
-      for (const int cell : some) {
-        const Eigen::Vector3f ray = grid_.ray(cell);
-        const float height = (1 - grid_.z_mm[cell] * best.q.dot(ray)) / per_mm;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const float z_mm = depths_mm[i];
+        const float height = (1 - z_mm * best.q.dot(rays[i])) / per_mm;
         if (std::abs(height) >= threshold) continue;
-        const Eigen::Vector3d r = ray.cast<double>();
+        const Eigen::Vector3d r = rays[i].cast<double>();
         normal += r * r.transpose();
-        right += r / grid_.z_mm[cell];
+        right += r / z_mm;
         squared += height * height;
+        fourth_powers += static_cast<double>(z_mm * z_mm) * (z_mm * z_mm);
         ++on_it;
       }
       if (on_it < 3) break;
@@ -272,10 +300,11 @@ class Splitter {
     }
     if (on_it < smallest_share * static_cast<double>(some.size())) return std::nullopt;
     best.rms_mm = std::sqrt(squared / static_cast<float>(std::max(on_it, 1)));
-    if (!is_too_large(every_nth(2000))) return CutPlane{best, std::clamp(3 * best.rms_mm, 1.5f, threshold)};
+    const auto at_mm = static_cast<float>(std::pow(fourth_powers / std::max(on_it, 1), 0.25));
+    if (!is_too_large(every_nth(2000))) return CutPlane{best, std::clamp(3 * best.rms_mm, 1.5f, threshold), at_mm};
     bend(best, every_nth(2500), threshold);
     // Cut by the noise that the plane shows, so that the feet of flat parts stay.
-    return CutPlane{best, std::clamp(2.7f * best.rms_mm, 1.5f, threshold)};
+    return CutPlane{best, std::clamp(2.7f * best.rms_mm, 1.5f, threshold), at_mm};
   }
 
   /// Fits the bend to what lies on the plane, robustly: the slow waves of a camera, not the parts on the table.
@@ -438,37 +467,55 @@ class Splitter {
     for (float& h : height) h = std::abs(h);
     const auto high = height.begin() + static_cast<std::ptrdiff_t>(height.size() * 9 / 10);
     std::nth_element(height.begin(), high, height.end());
-    return *high > stands_out_cuts * plane.cut_mm;
+    // By the square law of triangulation: what is left of a table far behind is higher, but no part.
+    const float farther = std::max(grid_.z_mm[cells[cells.size() / 2]] / plane.at_mm, 1.0f);
+    return *high > stands_out_cuts * plane.cut_mm * farther * farther;
   }
 
-  /// Groups of neighbouring cells that are near in space; holes of one cell are bridged.
+  /// Groups of neighbouring cells that are near in space; holes of one cell are bridged. Each cell takes the number of
+  /// the first earlier neighbour that it hangs together with; numbers that meet are joined (Rosenfeld and Pfaltz 1966).
   std::vector<Cells> connected(const Cells& cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i) slot_[cells[i]] = static_cast<int>(i);
-    UnionFind groups(cells.size());
+    UnionFind numbers;
+    const int width = grid_.width;
     int v = 0;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      while (cells[i] >= (v + 1) * grid_.width) ++v;
-      const int u = cells[i] - v * grid_.width;
-      const float z = grid_.z_mm[cells[i]];
-      for (const auto& [du, dv] : {std::pair{1, 0}, {0, 1}, {1, 1}, {-1, 1}, {2, 0}, {0, 2}}) {
-        if (u + du < 0 || u + du >= grid_.width || v + dv >= grid_.height) continue;
-        const int other = cells[i] + dv * grid_.width + du, between = cells[i] + dv / 2 * grid_.width + du / 2;
-        if (slot_[other] < 0 || (between != cells[i] && grid_.z_mm[between] > 0)) continue;
-        const float limit = 2 + (grid_.jump_mm(z) - 2) * static_cast<float>(std::max(std::abs(du), std::abs(dv)));
-        if (std::abs(grid_.z_mm[other] - z) <= limit) groups.join(static_cast<int>(i), slot_[other]);
+    for (const int cell : cells) {
+      while (cell >= (v + 1) * width) ++v;
+      const int u = cell - v * width;
+      const float z = grid_.z_mm[cell];
+      int own = -1;
+      const auto look_at = [&](int other, int apart) {
+        const int number = number_[other];
+        if (number < 0 || number == own) return;
+        const float other_z = grid_.z_mm[other];
+        const float limit = 2 + (grid_.jump_mm(other_z) - 2) * static_cast<float>(apart);
+        if (!(std::abs(z - other_z) <= limit)) return;
+        if (own < 0)
+          own = number;
+        else
+          numbers.join(own, number);
+      };
+      if (u >= 1) look_at(cell - 1, 1);
+      if (v >= 1) {
+        look_at(cell - width, 1);
+        if (u >= 1) look_at(cell - width - 1, 1);
+        if (u + 1 < width) look_at(cell - width + 1, 1);
       }
+      if (u >= 2 && !(grid_.z_mm[cell - 1] > 0)) look_at(cell - 2, 2);
+      if (v >= 2 && !(grid_.z_mm[cell - width] > 0)) look_at(cell - 2 * width, 2);
+      number_[cell] = own < 0 ? numbers.add() : own;
     }
-    for (const int cell : cells) slot_[cell] = -1;
-    std::vector<int> group_of(cells.size(), -1);
+    // A group's number is that of its first cell.
+    std::vector<int> group_of(numbers.size(), -1);
     std::vector<Cells> out;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      int& group = group_of[groups.find(static_cast<int>(i))];
+    for (const int cell : cells) {
+      int& group = group_of[numbers.find(number_[cell])];
       if (group < 0) {
         group = static_cast<int>(out.size());
         out.emplace_back();
       }
-      out[group].push_back(cells[i]);
+      out[group].push_back(cell);
     }
+    for (const int cell : cells) number_[cell] = -1;
     return out;
   }
 
@@ -476,7 +523,7 @@ class Splitter {
   const Intrinsics& camera_;
   const FramePiecesOptions& options_;
   int min_cells_ = 8;
-  std::vector<int> slot_;  ///< for connected(): of each cell its index among those in question, else -1
+  std::vector<int> number_;  ///< for connected(): of the cells in question, else -1
 };
 
 /// Labels the pixels by the cells: as the cell beside a pixel, where their depths are near and the pixel is off the
