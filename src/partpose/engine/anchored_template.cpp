@@ -73,34 +73,51 @@ void AnchoredViews::add(int view, const PointCloud& seen, const Eigen::Isometry3
   }
 }
 
-int explained_steps(const SmallTemplate& model, const SmallTemplate& scene, int cap) {
+void explained_steps(const SmallTemplate& model, std::span<const SmallTemplate> scenes, int cap, int* out) {
 #ifdef __AVX2__
-  const __m256i limit = _mm256_set1_epi8(static_cast<char>(cap));
+  static_assert(SmallTemplate::cells == 64);
+  const __m256i limit = _mm256_set1_epi8(static_cast<char>(cap)), zero = _mm256_setzero_si256();
   const __m256i unknown = _mm256_set1_epi8(static_cast<char>(SmallTemplate::unknown));
   const __m256i background = _mm256_set1_epi8(static_cast<char>(SmallTemplate::background));
-  const __m256i zero = _mm256_setzero_si256();
-  __m256i sum = zero;
-  for (int i = 0; i < SmallTemplate::cells; i += 32) {
-    const __m256i x = _mm256_load_si256(reinterpret_cast<const __m256i*>(&model.cell[i]));
-    const __m256i y = _mm256_load_si256(reinterpret_cast<const __m256i*>(&scene.cell[i]));
+  constexpr int bias = 128;  // what is signed is summed as if it were not
+  const __m256i biased = _mm256_set1_epi8(static_cast<char>(bias));
+  const auto half = [](const SmallTemplate& of, int k) {
+    return _mm256_load_si256(reinterpret_cast<const __m256i*>(&of.cell[32 * k]));
+  };
+  const auto gains = [&](const __m256i& x, const __m256i& is_background, const __m256i& y) {
     const __m256i farther = _mm256_min_epu8(_mm256_subs_epu8(y, x), limit);
     const __m256i nearer = _mm256_min_epu8(_mm256_subs_epu8(x, y), limit);
-    const __m256i cost = _mm256_adds_epu8(nearer, _mm256_adds_epu8(farther, farther));
-    const __m256i silent = _mm256_or_si256(_mm256_cmpeq_epi8(x, background), _mm256_cmpeq_epi8(y, unknown));
-    sum = _mm256_add_epi64(sum, _mm256_sad_epu8(_mm256_andnot_si256(silent, limit), zero));
-    sum = _mm256_sub_epi64(sum, _mm256_sad_epu8(_mm256_andnot_si256(silent, cost), zero));
+    const __m256i cost = _mm256_add_epi8(nearer, _mm256_add_epi8(farther, farther));
+    const __m256i silent = _mm256_or_si256(is_background, _mm256_cmpeq_epi8(y, unknown));
+    return _mm256_andnot_si256(silent, _mm256_sub_epi8(limit, cost));
+  };
+  const __m256i first = half(model, 0), second = half(model, 1);
+  const __m256i first_background = _mm256_cmpeq_epi8(first, background);
+  const __m256i second_background = _mm256_cmpeq_epi8(second, background);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const __m256i both = _mm256_add_epi8(gains(first, first_background, half(scenes[i], 0)),
+                                         gains(second, second_background, half(scenes[i], 1)));
+    const __m256i sum = _mm256_sad_epu8(_mm256_xor_si256(both, biased), zero);
+    const __m128i halves = _mm_add_epi64(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
+    out[i] = _mm_cvtsi128_si32(_mm_add_epi64(halves, _mm_unpackhi_epi64(halves, halves))) - 32 * bias;
   }
-  const __m128i halves = _mm_add_epi64(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
-  return static_cast<int>(_mm_cvtsi128_si64(_mm_add_epi64(halves, _mm_unpackhi_epi64(halves, halves))));
 #else
-  int sum = 0;
-  for (int i = 0; i < SmallTemplate::cells; ++i) {
-    const int x = model.cell[i], y = scene.cell[i];
-    if (x == SmallTemplate::background || y == SmallTemplate::unknown) continue;
-    sum += cap - std::min(std::max(x - y, 0), cap) - 2 * std::min(std::max(y - x, 0), cap);
+  for (std::size_t k = 0; k < scenes.size(); ++k) {
+    int sum = 0;
+    for (int i = 0; i < SmallTemplate::cells; ++i) {
+      const int x = model.cell[i], y = scenes[k].cell[i];
+      if (x == SmallTemplate::background || y == SmallTemplate::unknown) continue;
+      sum += cap - std::min(std::max(x - y, 0), cap) - 2 * std::min(std::max(y - x, 0), cap);
+    }
+    out[k] = sum;
   }
-  return sum;
 #endif
+}
+
+int explained_steps(const SmallTemplate& model, const SmallTemplate& scene, int cap) {
+  int steps = 0;
+  explained_steps(model, {&scene, 1}, cap, &steps);
+  return steps;
 }
 
 }  // namespace partpose

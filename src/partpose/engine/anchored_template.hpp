@@ -44,4 +44,7 @@ Eigen::Vector3d local_mean(std::span<const Eigen::Vector3f> points, const Eigen:
 /// scene is unknown.
 int explained_steps(const SmallTemplate& model, const SmallTemplate& scene, int cap);
 
+/// The same of several scenes; `cap` at most 63.
+void explained_steps(const SmallTemplate& model, std::span<const SmallTemplate> scenes, int cap, int* out);
+
 }  // namespace partpose

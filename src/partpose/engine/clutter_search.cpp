@@ -569,13 +569,20 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
       const auto mm2_per_step = static_cast<float>(4 * model.scale.cell_mm * model.scale.cell_mm / model.scale.cap);
       const TurnedWindow& window = windows.at(model.scale.cell_mm)[s];
       std::vector<Look> looks;
-      for (std::size_t a = 0; a < model.anchored.templates.size(); ++a)
-        for (int k = 0; k < rolls; ++k) {
-          const int steps = explained_steps(model.anchored.templates[a], window.cells[k], model.scale.cap);
-          if (steps > 0)
-            looks.push_back({mm2_per_step * static_cast<float>(steps), static_cast<std::int32_t>(part),
+      std::array<int, rolls> steps;
+      int least = 1;
+      for (std::size_t a = 0; a < model.anchored.templates.size(); ++a) {
+        explained_steps(model.anchored.templates[a], window.cells, model.scale.cap, steps.data());
+        for (int k = 0; k < rolls; ++k)
+          if (steps[k] >= least)
+            looks.push_back({mm2_per_step * static_cast<float>(steps[k]), static_cast<std::int32_t>(part),
                              static_cast<std::int32_t>(a), static_cast<std::int16_t>(s), static_cast<std::int8_t>(k)});
-        }
+        // What is worse than the best so far need not be kept.
+        if (looks.size() < 20 * kept_per_part_and_seed) continue;
+        keep_best(looks, kept_per_part_and_seed);
+        const auto worst = std::max_element(looks.begin(), looks.end());
+        least = static_cast<int>(worst->mm2 / mm2_per_step);
+      }
       keep_best(looks, kept_per_part_and_seed);
       of_seed[s].insert(of_seed[s].end(), looks.begin(), looks.end());
     }
