@@ -37,8 +37,10 @@ struct Target {
   double best_score = 0;                  ///< probability_of_part of the best
   Detection detection;                    ///< of the best candidate
   std::set<int> heard;                    ///< parts whose hypotheses were refined
+  bool partly_hidden = false;             ///< by something nearer; asked only where it matters
+  bool polished = false;                  ///< whether the contenders lie as near to the data as they get
   FrameWindow fine;                       ///< about the contenders
-  std::vector<ProjectiveRefinement> fit;  ///< of the contenders, before they are put into order
+  std::vector<ProjectiveRefinement> fit;  ///< of the contenders
 
   Target(const FramePieces& frame, const FrameObject& object)
       : view(frame, object), noise_mm(view.noise_mm), local_noise_mm(std::max(view.local_noise_mm, 0.05)) {
@@ -47,6 +49,21 @@ struct Target {
   }
   /// By which the frame's objects compete: how sure and how large.
   double evidence() const { return best_score * std::sqrt(static_cast<double>(view.object->pixels)); }
+  /// Whether a closer look may find better. Of what is partly hidden a wrong pose explains much.
+  bool is_weak() const { return best_score < (partly_hidden ? weak_when_hidden : weak); }
+  static constexpr double weak = 0.65, weak_when_hidden = 0.8;
+  static constexpr double strong = 0.85;  ///< with such a score its pieces are nothing else
+  /// What the best fit leaves, in mm.
+  double left_mm() const {
+    double least_mm = std::numeric_limits<double>::infinity();
+    for (const auto& refined : fit) least_mm = std::min(least_mm, refined.rms_mm);
+    return least_mm;
+  }
+};
+
+/// Labels of the frame's pieces that a part explains, well or not.
+struct ExplainedLabels {
+  std::bitset<256> well, weakly;
 };
 
 class StageTimes {
@@ -111,6 +128,7 @@ FrameWindow window_about(const ObjectView& view, Eigen::AlignedBox2d pixels, int
                 pixel(pixels.max().y() + 2 * stride, camera.height), stride);
 }
 
+constexpr double hopeless = 0.02;  ///< such a score of the coarse comparison becomes no good one
 constexpr int coarse_pixels = 800, fine_pixels = 2500;
 constexpr std::size_t most_contenders = 6;
 
@@ -141,16 +159,27 @@ struct Engine::Impl {
   double smallest_view_mm2 = 0;  ///< what is seen of the smallest part, from its median side
 
   void models_changed();
+  /// Finds the parts and poses that explain the object best, and polishes them where they are in doubt.
+  /// `look_behind`: what hides it may hide any of it.
   void examine(Target& target, bool look_behind, StageTimes& time) const;
+  /// The frame's objects that may be parts, but for pieces of what is explained as a whole.
+  std::vector<Target> examine_all(const FramePieces& frame, ExplainedLabels& labels, StageTimes& time) const;
+  /// Polishes and decides where the coarse comparison is in doubt: a pose that is still a little off explains little.
+  void reconsider(Target& target, StageTimes& time) const;
+  /// Looks more closely at what is weakly explained. The parts that it finds become targets, which refer to them.
+  std::vector<SeparatedPart> search_closely(std::vector<Target>& targets, FramePieces& frame, ExplainedLabels& labels,
+                                            StageTimes& time) const;
   /// Of parts found one by one in what is weakly explained: adds them to the targets, or to the target that each is all
   /// of, and drops targets that explain less than they.
   void add_separated(std::vector<Target>& targets, const FramePieces& frame, const std::vector<SeparatedPart>& parts,
                      StageTimes& time) const;
+  /// Whether a closer look may find a part, or another one.
+  bool is_worth_a_search(const Target& target) const;
   /// The models for a search that looks at every part; of a large catalogue only those heard, null for the others.
   std::vector<const PartModel*> worth_a_search(const std::set<int>& heard) const;
   void verify(Target& target, std::vector<Hypothesis> hypotheses) const;
-  /// Moves the contenders onto the data; returns the least that a fit leaves, in mm.
-  double polish(Target& target) const;
+  /// Moves the contenders onto the data.
+  void polish(Target& target) const;
   void decide(Target& target) const;
   void describe(Target& target, const std::vector<std::pair<double, std::size_t>>& order) const;
   std::size_t contenders_of(const Target& target) const;
@@ -281,7 +310,6 @@ Recognition Engine::recognize(const PointCloud& cloud) const {
   return recognition;
 }
 
-/// Finds the parts and poses that explain the object best. `look_behind`: what hides it may hide any of it.
 void Engine::Impl::examine(Target& target, bool look_behind, StageTimes& time) const {
   auto hypotheses = time("templates", [&] { return shortlist(model_of, target.view, {.look_behind = look_behind}); });
   time("refine_1", [&] {
@@ -296,6 +324,65 @@ void Engine::Impl::examine(Target& target, bool look_behind, StageTimes& time) c
     if (hypotheses.size() > 2 * kept) hypotheses.resize(2 * kept);
   });
   time("verify", [&] { verify(target, std::move(hypotheses)); });
+  reconsider(target, time);
+}
+
+void Engine::Impl::reconsider(Target& target, StageTimes& time) const {
+  if (target.best_score > Target::strong || target.best_score < hopeless || target.polished) return;
+  time("polish", [&] { polish(target); });
+  time("decision", [&] { decide(target); });
+}
+
+std::vector<Target> Engine::Impl::examine_all(const FramePieces& frame, ExplainedLabels& labels,
+                                              StageTimes& time) const {
+  std::vector<Target> targets;
+  for (const auto& object : frame.objects) {
+    if ((object.labels & ~labels.well).none()) continue;
+    if (object.larger_than_a_part) {
+      labels.weakly |= object.labels;
+      continue;
+    }
+    Target target = time("points", [&] { return Target(frame, object); });
+    if (target.view.points.points_mm.size() < 30) continue;
+    constexpr double blurred_share = 0.08;  // noise beyond it hides what any part looks like
+    if (target.view.noise_mm > blurred_share * pieces.largest_part_mm) continue;
+    examine(target, false, time);
+    if (target.best_score < Target::weak_when_hidden) target.partly_hidden = is_partly_hidden(target.view);
+    if (target.partly_hidden && target.is_weak()) examine(target, true, time);
+    if (target.best_score > Target::strong) labels.well |= object.labels;
+    targets.push_back(std::move(target));
+  }
+  return targets;
+}
+
+std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& targets, FramePieces& frame,
+                                                        ExplainedLabels& labels, StageTimes& time) const {
+  // A frame no larger than a part may be one: then its pieces are the part's, and nothing else is in it.
+  const bool may_be_one_part =
+      std::any_of(frame.objects.begin(), frame.objects.end(), [](const FrameObject& o) { return o.whole_frame; });
+  std::set<int> heard;  // of what is weakly explained
+  for (auto& target : targets) {
+    const FrameObject& object = *target.view.object;
+    if (!is_worth_a_search(target) || may_be_one_part || (object.labels & labels.well).any()) continue;
+    if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
+    auto hypotheses =
+        time("anchored", [&] { return anchored_hypotheses(worth_a_search(target.heard), frame, object, 8); });
+    time("verify", [&] { verify(target, std::move(hypotheses)); });
+    target.polished = false;  // with the shadows it may look different
+    reconsider(target, time);
+    if (target.is_weak()) labels.weakly |= object.labels;
+    if (target.best_score > Target::strong) labels.well |= object.labels;
+  }
+  for (const auto& target : targets)
+    if ((target.view.object->labels & labels.weakly).any()) heard.insert(target.heard.begin(), target.heard.end());
+  std::erase_if(targets, [](const Target& target) { return target.candidates.empty(); });
+  const std::bitset<256> unexplained = labels.weakly & ~labels.well;
+  if (unexplained.none() || may_be_one_part) return {};
+  if (frame.shadow_of.empty()) time("separation", [&] { find_shadows(frame); });
+  std::vector<SeparatedPart> parts =
+      time("separation", [&] { return separate(worth_a_search(heard), frame, unexplained); });
+  add_separated(targets, frame, parts, time);
+  return parts;
 }
 
 Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera) const {
@@ -314,56 +401,11 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
       r.reason += fmt::format("; its farthest point is {:.3g} mm away: is it in metres?", farthest_mm);
     return r;
   }
-  std::vector<Target> targets;
-  // Then its pieces are the part's, and nothing else is in it.
-  const bool may_be_one_part =
-      std::any_of(frame.objects.begin(), frame.objects.end(), [](const FrameObject& o) { return o.whole_frame; });
-  std::bitset<256> explained, weakly_explained;  // labels of what a part explains well, or does not
-  constexpr double weak = 0.8, strong = 0.85;
-  for (const auto& object : frame.objects) {
-    if ((object.labels & ~explained).none()) continue;  // a piece of what is explained as a whole
-    if (object.larger_than_a_part) {
-      weakly_explained |= object.labels;
-      continue;
-    }
-    Target target = time("points", [&] { return Target(frame, object); });
-    if (target.view.points.points_mm.size() < 30) continue;
-    constexpr double blurred_share = 0.08;  // noise beyond it hides what any part looks like
-    if (target.view.noise_mm > blurred_share * impl_->pieces.largest_part_mm) continue;
-    impl_->examine(target, false, time);
-    if (target.best_score < weak && is_partly_hidden(target.view)) impl_->examine(target, true, time);
-    if (target.best_score > strong) explained |= object.labels;
-    targets.push_back(std::move(target));
-  }
-  // What is less than a part shows when three quarters of it are hidden is not looked at more closely.
-  constexpr double least_share = 0.25;
-  for (auto& target : targets) {
-    const FrameObject& object = *target.view.object;
-    const double px_per_mm = camera.fx / target.view.all.centre_mm().z();
-    if (target.best_score >= weak || may_be_one_part || (object.labels & explained).any() ||
-        object.pixels < least_share * impl_->smallest_view_mm2 * px_per_mm * px_per_mm)
-      continue;
-    if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
-    auto hypotheses =
-        time("anchored", [&] { return anchored_hypotheses(impl_->worth_a_search(target.heard), frame, object, 8); });
-    time("verify", [&] { impl_->verify(target, std::move(hypotheses)); });
-    if (target.best_score < weak) weakly_explained |= object.labels;
-    if (target.best_score > strong) explained |= object.labels;
-  }
-  std::set<int> heard;
-  for (const auto& target : targets)
-    if ((target.view.object->labels & weakly_explained).any()) heard.insert(target.heard.begin(), target.heard.end());
-  std::erase_if(targets, [](const Target& target) { return target.candidates.empty(); });
-  weakly_explained &= ~explained;
-  std::vector<SeparatedPart> separated;
-  if (weakly_explained.any() && !may_be_one_part) {
-    if (frame.shadow_of.empty()) time("separation", [&] { find_shadows(frame); });
-    separated = time("separation", [&] { return separate(impl_->worth_a_search(heard), frame, weakly_explained); });
-    impl_->add_separated(targets, frame, separated, time);
-  }
+  ExplainedLabels labels;
+  std::vector<Target> targets = impl_->examine_all(frame, labels, time);
+  const auto separated = impl_->search_closely(targets, frame, labels, time);
   const auto by_evidence = [](const Target& a, const Target& b) { return a.evidence() > b.evidence(); };
   // Objects that a part hardly explains need no closer look, but for the most promising ones.
-  constexpr double hopeless = 0.02;
   constexpr std::size_t always = 3;
   std::stable_sort(targets.begin(), targets.end(), [&](const Target& a, const Target& b) {
     const auto promise = [&](const Target& t) {
@@ -376,7 +418,8 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   // them. By the square law of triangulation it grows with the distance.
   double noise_per_mm2 = 0;
   for (auto& target : targets) {
-    const double left_mm = time("polish", [&] { return impl_->polish(target); });
+    if (!target.polished) time("polish", [&] { impl_->polish(target); });
+    const double left_mm = target.left_mm();
     const double z_mm = target.view.all.centre_mm().z();
     // Not of a fit that is far beyond what is to be expected.
     if (&target == &targets[0] && std::isfinite(left_mm)) noise_per_mm2 = left_mm / (z_mm * z_mm);
@@ -403,6 +446,13 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   return r;
 }
 
+bool Engine::Impl::is_worth_a_search(const Target& target) const {
+  // Not what is less than a part shows when three quarters of it are hidden.
+  constexpr double least_share = 0.25;
+  const double px_per_mm = target.view.frame->camera.fx / target.view.all.centre_mm().z();
+  return target.is_weak() && target.view.object->pixels >= least_share * smallest_view_mm2 * px_per_mm * px_per_mm;
+}
+
 std::vector<const PartModel*> Engine::Impl::worth_a_search(const std::set<int>& heard) const {
   constexpr std::size_t few_parts = 32;
   std::vector<const PartModel*> out = model_of;
@@ -422,6 +472,7 @@ void Engine::Impl::add_separated(std::vector<Target>& targets, const FramePieces
     if (target.view.points.points_mm.size() < 30) continue;
     time("verify", [&] { verify(target, part.hypotheses); });
     if (target.candidates.empty()) continue;
+    reconsider(target, time);
     evidence += target.evidence();
     labels |= part.object.labels;
     added.push_back(std::move(target));
@@ -529,6 +580,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     return;
   target.candidates.clear();
   target.log_likelihoods.clear();
+  target.polished = false;
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     target.candidates.push_back(candidate_of(hypotheses[i], static_cast<int>(i)));
     target.log_likelihoods.push_back(-hypotheses[i].cost);
@@ -546,7 +598,7 @@ std::size_t Engine::Impl::contenders_of(const Target& target) const {
   return contenders;
 }
 
-double Engine::Impl::polish(Target& target) const {
+void Engine::Impl::polish(Target& target) const {
   auto& candidates = target.candidates;
   const std::size_t contenders = contenders_of(target);
   target.fit.resize(contenders);
@@ -568,9 +620,7 @@ double Engine::Impl::polish(Target& target) const {
     candidate.icp_fitness = candidate.icp_converged ? static_cast<float>(refined.rms_mm) : -1;
     target.fit[i] = refined;
   });
-  double noise_mm = std::numeric_limits<double>::infinity();
-  for (const auto& fit : target.fit) noise_mm = std::min(noise_mm, fit.rms_mm);
-  return noise_mm;
+  target.polished = true;
 }
 
 void Engine::Impl::decide(Target& target) const {
@@ -590,9 +640,14 @@ void Engine::Impl::decide(Target& target) const {
   for (std::size_t i = 0; i < contenders; ++i) order.emplace_back(-log_evidence(comparison[i]), i);
   std::sort(order.begin(), order.end());
   std::vector<Candidate> decided;
-  for (const auto& [negative, i] : order) decided.push_back(candidates[i]);
+  std::vector<ProjectiveRefinement> fit;
+  for (const auto& [negative, i] : order) {
+    decided.push_back(candidates[i]);
+    fit.push_back(target.fit[i]);
+  }
   decided.insert(decided.end(), candidates.begin() + static_cast<std::ptrdiff_t>(contenders), candidates.end());
   candidates = std::move(decided);
+  target.fit = std::move(fit);
   target.best_score = candidates[0].score;
   describe(target, order);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -615,12 +670,12 @@ void Engine::Impl::describe(Target& target, const std::vector<std::pair<double, 
   const std::vector<double> share = shares(log_evidences, stride);
 
   const Candidate& best = target.candidates[0];
-  Detection& detection = target.detection;
+  Detection& detection = target.detection = {};
   detection.part = part_of(best);
   detection.camera_from_model = best.camera_from_model;
   detection.score = best.score;
   const PartModel& model = *models[detection.part];
-  const auto& fit = target.fit[order[0].second];
+  const auto& fit = target.fit[0];
   detection.covariance =
       pose_covariance(fit.hessian, fit.centre_mm, best.camera_from_model * model.middle_mm,
                       {std::min(target.local_noise_mm, target.noise_mm), target.noise_mm}, stride, model.diameter_mm);
