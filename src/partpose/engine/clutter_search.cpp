@@ -319,7 +319,7 @@ class Separation {
       trials.erase(trials.begin());
       if (!(best.gain > 0)) break;
       if (!is_good(best)) polish(best, rest);
-      if (!is_good(best)) continue;
+      if (!is_good(best) || !is_held(best.hypothesis)) continue;
       found = true;
       SeparatedPart part;
       part.hypotheses.push_back(best.hypothesis);
@@ -448,37 +448,22 @@ class Separation {
     piece_.push_back(piece);
   }
 
-  /// Which parts stand on the table, or touch a part that is supported itself: nothing hangs in the air. All, where no
-  /// table is seen.
-  std::vector<bool> supported() const {
-    std::vector<bool> out(parts.size(), !frame_.table);
-    if (!frame_.table) return out;
-    constexpr double touches_share = 0.04;
-    const auto tolerance_mm = [&](const Hypothesis& h) {
-      return std::max(touches_share * models_[h.part]->diameter_mm, 3 * noise_at(h));
-    };
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      const Hypothesis& h = parts[i].hypotheses[0];
-      double lowest_mm = 1e9;
-      for (const auto& p : models_[h.part]->samples_mm) {
-        const Eigen::Vector3f q = (h.camera_from_model * p.cast<double>()).cast<float>();
-        lowest_mm = std::min<double>(lowest_mm, frame_.table->height_mm(q / q.z(), q.z()));
-      }
-      out[i] = lowest_mm < tolerance_mm(h);
-    }
-    const auto touch = [&](const Hypothesis& a, const Hypothesis& b) {
-      const Eigen::Isometry3f b_from_a = (b.camera_from_model.inverse() * a.camera_from_model).cast<float>();
-      return std::any_of(models_[a.part]->samples_mm.begin(), models_[a.part]->samples_mm.end(), [&](const auto& p) {
-        return models_[b.part]->field.at(b_from_a * p).distance_mm < tolerance_mm(b);
+  double tolerance_mm(const Hypothesis& h) const { return touch_tolerance_mm(*models_[h.part], noise_at(h)); }
+
+  /// Whether the part stands on the table, or touches a part that does: nothing hangs in the air, nor reaches into the
+  /// table. All, where no table is seen.
+  bool is_held(const Hypothesis& h) const {
+    const auto height_mm = height_above_table_mm(frame_, *models_[h.part], h.camera_from_model);
+    if (!height_mm || std::abs(*height_mm) < tolerance_mm(h)) return true;
+    if (*height_mm < 0) return false;
+    return std::any_of(parts.begin(), parts.end(), [&](const SeparatedPart& part) {
+      const Hypothesis& other = part.hypotheses[0];
+      const Eigen::Isometry3f other_from_h = (other.camera_from_model.inverse() * h.camera_from_model).cast<float>();
+      const auto& samples_mm = models_[h.part]->samples_mm;
+      return std::any_of(samples_mm.begin(), samples_mm.end(), [&](const auto& p) {
+        return models_[other.part]->field.at(other_from_h * p).distance_mm < tolerance_mm(other);
       });
-    };
-    for (bool changed = true; changed;) {
-      changed = false;
-      for (std::size_t i = 0; i < parts.size(); ++i)
-        for (std::size_t k = 0; k < parts.size() && !out[i]; ++k)
-          if (out[k] && touch(parts[i].hypotheses[0], parts[k].hypotheses[0])) out[i] = changed = true;
-    }
-    return out;
+    });
   }
 
   /// What is left where a part's surface goes on beyond its outline is its: unexplained.
@@ -509,7 +494,6 @@ class Separation {
   /// whose outline is not seen all around. More is asked of what is no larger than a part: it may be one that is not
   /// known.
   void drop_doubtful() {
-    const std::vector<bool> held = supported();
     std::bitset<256> large;
     for (const auto& object : frame_.objects)
       if (object.larger_than_a_part) large |= object.labels;
@@ -522,7 +506,7 @@ class Separation {
       const bool single = std::count(piece_.begin(), piece_.end(), piece) == 1;
       const double least_share = is_large ? 0.35 : single ? 0.6 : 0.8;
       const double most_no_outline = !is_large ? single ? 0.1 : 0.2 : single ? 0.2 : 1;
-      if (!held[i] || explained_[piece] < least_share * pixels_[piece] || worst[piece] > most_no_outline) continue;
+      if (explained_[piece] < least_share * pixels_[piece] || worst[piece] > most_no_outline) continue;
       if (kept != i) parts[kept] = std::move(parts[i]);
       ++kept;
     }
@@ -607,10 +591,19 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
       h.start = h.camera_from_model = camera_from_sight * anchor.sight_from_model.cast<double>();
       hypotheses.push_back(h);
     }
+  // No part reaches into the table; where a pose is still rough, it may seem to.
+  const auto drop_sunk = [&](double share) {
+    std::erase_if(hypotheses, [&](const Hypothesis& h) {
+      const double tolerance_mm = std::max(share * models[h.part]->diameter_mm, 3 * view.noise_mm);
+      return sinks_into_table(frame, *models[h.part], h.camera_from_model, tolerance_mm);
+    });
+  };
   refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 64, 0.06, 0.01, 6);
+  drop_sunk(0.12);
   constexpr std::size_t kept_at_first = 10, kept = 5;
   hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept_at_first);
   refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 192, 0.06, 0.01, 8);
+  drop_sunk(0.08);
   hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept);
   refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 512, 0.02, 0.005, 6);
   return distinct(std::move(hypotheses), models);

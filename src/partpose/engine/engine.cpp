@@ -541,6 +541,15 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     h.camera_from_model = refined.camera_from_model;
   };
   parallel_for(hypotheses.size(), [&](std::size_t i) { settle(hypotheses[i]); });
+  // What sinks into the table is not there, however well what is seen of it fits.
+  const auto drop_sunk = [&](std::vector<Hypothesis>& some) {
+    if (target.view.object->whole_frame) return;
+    std::erase_if(some, [&](const Hypothesis& h) {
+      return sinks_into_table(*target.view.frame, *models[h.part], h.camera_from_model,
+                              touch_tolerance_mm(*models[h.part], target.noise_mm));
+    });
+  };
+  drop_sunk(hypotheses);
   Eigen::AlignedBox2d pixels;
   for (const auto& h : hypotheses)
     pixels.extend(covered_at_any_turn(target.view.frame->camera, *models[h.part], h.camera_from_model));
@@ -567,10 +576,9 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     const auto others = in_place_of(hypotheses[0], model_of);
     more.insert(more.end(), others.begin(), others.end());
   }
-  parallel_for(more.size(), [&](std::size_t i) {
-    settle(more[i]);
-    more[i].cost = -compare(more[i]).log_likelihood;
-  });
+  parallel_for(more.size(), [&](std::size_t i) { settle(more[i]); });
+  drop_sunk(more);
+  parallel_for(more.size(), [&](std::size_t i) { more[i].cost = -compare(more[i]).log_likelihood; });
   hypotheses.insert(hypotheses.end(), more.begin(), more.end());
   sort_by_cost(hypotheses);
   hypotheses = contenders_first(distinct(std::move(hypotheses), model_of));

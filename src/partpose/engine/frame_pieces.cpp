@@ -705,7 +705,8 @@ FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const
 }
 
 void find_shadows(FramePieces& frame) {
-  constexpr int widest_px = 60;
+  constexpr int window_px = 8;        // so much more is lost beside an edge, since windows are matched
+  constexpr double wider = 1.5;       // some cameras' imagers are farther apart
   constexpr float least_step_mm = 8;
   const DepthImage& depth = *frame.depth;
   frame.shadow_of.assign(frame.label.size(), -1);
@@ -715,16 +716,20 @@ void find_shadows(FramePieces& frame) {
       if (frame.label[row + u] != FramePieces::not_measured) continue;
       const int from = u;
       while (u < depth.width && frame.label[row + u] == FramePieces::not_measured) ++u;
-      if (u - from > widest_px) continue;
       if (from == 0 || u == depth.width) {
         // What one imager sees beyond the other's field of view.
-        if (frame.table && u > from)
+        constexpr int widest_px = 60;
+        if (frame.table && u > from && u - from <= widest_px)
           std::fill(frame.shadow_of.begin() + row + from, frame.shadow_of.begin() + row + u, row + from);
         continue;
       }
       const std::int32_t left = row + from - 1, right = row + u;
       const float step = depth.z_mm[right] - depth.z_mm[left];
       if (std::abs(step) < least_step_mm) continue;
+      // As wide as the disparity jumps.
+      const double widest_px = frame.camera.fx * FramePieces::baseline_mm *
+                               std::abs(1 / double(depth.z_mm[left]) - 1 / double(depth.z_mm[right]));
+      if (u - from > wider * widest_px + window_px) continue;
       std::fill(frame.shadow_of.begin() + row + from, frame.shadow_of.begin() + row + u, step > 0 ? left : right);
     }
   }

@@ -64,8 +64,10 @@ struct FramePieces {
   /// imagers: the pixel of that; -1 elsewhere. Empty: not looked for (find_shadows).
   std::vector<std::int32_t> shadow_of;
 
-  /// From such a jump in depth on: a disparity of 0.75 px, at a distance of 55 mm between the imagers.
-  double edge_mm(double z_mm) const { return z_mm * z_mm * 0.75 / (camera.fx * 55); }
+  static constexpr double baseline_mm = 55;  ///< between a stereo camera's imagers, about
+
+  /// From such a jump in depth on: a disparity of 0.75 px.
+  double edge_mm(double z_mm) const { return z_mm * z_mm * 0.75 / (camera.fx * baseline_mm); }
 
   static constexpr std::uint8_t not_measured = 0, background = 1, first_piece = 2;
 };

@@ -174,10 +174,10 @@ double reverse_cost(const Hypothesis& hypothesis, const PartModel& model, const 
 /// square law of triangulation it grows with the distance), and what no stereo camera falls below.
 double expected_noise_mm(const FramePieces& frame, const FrameObject& object, const Eigen::Vector3d& centre_mm,
                          double local_noise_mm) {
-  constexpr double disparity_px = 0.1, baseline_mm = 55, near_mm = 0.4;
+  constexpr double disparity_px = 0.1, near_mm = 0.4;
   const double z_mm = centre_mm.z();
   double noise_mm =
-      std::max(local_noise_mm, std::hypot(near_mm, z_mm * z_mm * disparity_px / (frame.camera.fx * baseline_mm)));
+      std::max(local_noise_mm, std::hypot(near_mm, z_mm * z_mm * disparity_px / (frame.camera.fx * FramePieces::baseline_mm)));
   if (frame.table && !object.whole_frame) {
     const Eigen::Vector3d ray = centre_mm / z_mm, q = frame.table->q.cast<double>();
     const double inverse_table_z = q.dot(ray);
@@ -199,6 +199,36 @@ ObjectView::ObjectView(const FramePieces& pieces, const FrameObject& frame_objec
       all(spread(points.points_mm, 512)),
       local_noise_mm(partpose::local_noise_mm(pieces, frame_object)),
       noise_mm(expected_noise_mm(pieces, frame_object, all.centre_mm(), local_noise_mm)) {}
+
+std::optional<double> height_above_table_mm(const FramePieces& frame, const PartModel& model,
+                                            const Eigen::Isometry3d& camera_from_model) {
+  if (!frame.table) return std::nullopt;
+  const Eigen::Isometry3f pose = camera_from_model.cast<float>();
+  const auto fx = static_cast<float>(frame.camera.fx), fy = static_cast<float>(frame.camera.fy);
+  const auto cx = static_cast<float>(frame.camera.cx), cy = static_cast<float>(frame.camera.cy);
+  std::optional<double> lowest_mm;
+  for (const auto& p : model.samples_mm) {
+    const Eigen::Vector3f q = pose * p;
+    if (!(q.z() > 1)) continue;
+    const Eigen::Vector3f ray = q / q.z();
+    const float u = fx * ray.x() + cx, v = fy * ray.y() + cy;
+    if (!(u >= 0 && v >= 0 && u < frame.camera.width && v < frame.camera.height)) continue;
+    const double height_mm = frame.table->height_mm(ray, q.z());
+    if (!lowest_mm || height_mm < *lowest_mm) lowest_mm = height_mm;
+  }
+  return lowest_mm;
+}
+
+double touch_tolerance_mm(const PartModel& model, double noise_mm) {
+  constexpr double share = 0.04;  // a turn that is off by two degrees
+  return std::max(share * model.diameter_mm, 3 * noise_mm);
+}
+
+bool sinks_into_table(const FramePieces& frame, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
+                      double tolerance_mm) {
+  const auto height_mm = height_above_table_mm(frame, model, camera_from_model);
+  return height_mm && *height_mm < -tolerance_mm;
+}
 
 bool is_partly_hidden(const ObjectView& view) { return hidden_side(view).has_value(); }
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,6 +43,18 @@ struct ShortlistOptions {
   int most_parts = 12;       ///< for which that holds
   bool look_behind = false;  ///< what is hidden by something nearer may be anything there
 };
+
+/// How far above the table the part's lowest place lies that the frame covers; below 0 it sinks into it. None where
+/// there is no table, or nothing of the part is before the camera.
+std::optional<double> height_above_table_mm(const FramePieces& frame, const PartModel& model,
+                                            const Eigen::Isometry3d& camera_from_model);
+
+/// A part that is as near to something touches it.
+double touch_tolerance_mm(const PartModel& model, double noise_mm);
+
+/// Whether the part reaches into the table, where no part can be.
+bool sinks_into_table(const FramePieces& frame, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
+                      double tolerance_mm);
 
 /// Whether something nearer hides a part of the object.
 bool is_partly_hidden(const ObjectView& view);
