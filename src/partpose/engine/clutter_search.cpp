@@ -28,15 +28,6 @@ struct TurnedWindow {
   std::array<SmallTemplate, rolls> cells;
 };
 
-bool is_on_table(const FramePieces& frame, int u, int v, float z_mm) {
-  constexpr float near_table_mm = 8;
-  if (!frame.table || frame.label[static_cast<std::size_t>(v) * frame.depth->width + u] != FramePieces::background)
-    return false;
-  const Intrinsics& camera = frame.camera;
-  const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
-  return frame.table->height_mm(ray.cast<float>(), z_mm) < near_table_mm;
-}
-
 /// What is measured around the place: the table counts as background, and what is another part's as so much nearer that
 /// it explains nothing.
 TurnedWindow turned_window(const FramePieces& frame, const FrameObject& rest, const Eigen::Vector3d& centre_mm,
@@ -60,7 +51,7 @@ TurnedWindow turned_window(const FramePieces& frame, const FrameObject& rest, co
       const float z = depth.z_mm[p];
       if (label == FramePieces::not_measured) continue;
       const bool unexplained = rest.labels.test(label);
-      if (!unexplained && is_on_table(frame, u, v, z)) continue;
+      if (!unexplained && is_on_table(frame, static_cast<std::int32_t>(p))) continue;
       Eigen::Vector3d place = sight * (camera.unproject(u, v, z).cast<double>() - centre_mm);
       if (!unexplained && label != FramePieces::background) place.z() -= nearer_mm;
       relative.push_back(place.cast<float>());
@@ -128,7 +119,7 @@ double explained_mm2(const Hypothesis& h, const PartModel& model, const FramePie
     if (rest.labels.test(label)) {
       const float share = behind_mm / tolerance_mm;
       sum += std::abs(share) < 1 ? 1 - share * share : share > 1 ? -1.0f : -0.1f;
-    } else if (label == FramePieces::background && is_on_table(frame, u, v, depth.z_mm[pixel])) {
+    } else if (label == FramePieces::background && is_on_table(frame, static_cast<std::int32_t>(pixel))) {
       sum -= std::abs(behind_mm) < tolerance_mm ? 0.2f : 1.0f;
     } else {
       sum -= behind_mm > tolerance_mm ? 1.0f : behind_mm > -tolerance_mm ? 0.5f : 0.1f;
@@ -306,7 +297,10 @@ class Separation {
     const double smallest_px = smallest_mm_ * frame_.camera.fx / view.all.centre_mm().z();
     if (rest.pixels < least_share * smallest_px * smallest_px) return false;
     noise_per_mm2_ = view.noise_mm / std::pow(view.all.centre_mm().z(), 2);
-    auto hypotheses = anchored_hypotheses(models_, frame_, rest, 16);
+    // About four places on each part, if all are as small as the smallest.
+    constexpr double share_of_place = 0.07;  // of the square of the diameter
+    const int places = std::clamp(static_cast<int>(rest.pixels / (share_of_place * smallest_px * smallest_px)), 8, 32);
+    auto hypotheses = anchored_hypotheses(models_, frame_, rest, places);
     std::vector<Trial> trials(hypotheses.size());
     parallel_for(trials.size(), [&](std::size_t i) {
       trials[i].hypothesis = hypotheses[i];
@@ -454,15 +448,12 @@ class Separation {
   /// table. All, where no table is seen.
   bool is_held(const Hypothesis& h) const {
     const auto height_mm = height_above_table_mm(frame_, *models_[h.part], h.camera_from_model);
-    if (!height_mm || std::abs(*height_mm) < tolerance_mm(h)) return true;
-    if (*height_mm < 0) return false;
+    if (sinks_into_table(frame_, *models_[h.part], h.camera_from_model, tolerance_mm(h))) return false;
+    if (!height_mm || *height_mm < tolerance_mm(h)) return true;
     return std::any_of(parts.begin(), parts.end(), [&](const SeparatedPart& part) {
       const Hypothesis& other = part.hypotheses[0];
-      const Eigen::Isometry3f other_from_h = (other.camera_from_model.inverse() * h.camera_from_model).cast<float>();
-      const auto& samples_mm = models_[h.part]->samples_mm;
-      return std::any_of(samples_mm.begin(), samples_mm.end(), [&](const auto& p) {
-        return models_[other.part]->field.at(other_from_h * p).distance_mm < tolerance_mm(other);
-      });
+      return touches(*models_[h.part], h.camera_from_model, *models_[other.part], other.camera_from_model,
+                     tolerance_mm(other));
     });
   }
 
@@ -497,16 +488,14 @@ class Separation {
     std::bitset<256> large;
     for (const auto& object : frame_.objects)
       if (object.larger_than_a_part) large |= object.labels;
-    std::array<double, 256> worst{};  // share without an outline, by the label of a piece
-    for (std::size_t i = 0; i < parts.size(); ++i) worst[piece_[i]] = std::max(worst[piece_[i]], no_outline_[i]);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < parts.size(); ++i) {
       const int piece = piece_[i];
       const bool is_large = large.test(piece);
       const bool single = std::count(piece_.begin(), piece_.end(), piece) == 1;
-      const double least_share = is_large ? 0.35 : single ? 0.6 : 0.8;
+      const double least_share = is_large ? 0.35 : 0.45;
       const double most_no_outline = !is_large ? single ? 0.1 : 0.2 : single ? 0.2 : 1;
-      if (explained_[piece] < least_share * pixels_[piece] || worst[piece] > most_no_outline) continue;
+      if (explained_[piece] < least_share * pixels_[piece] || no_outline_[i] > most_no_outline) continue;
       if (kept != i) parts[kept] = std::move(parts[i]);
       ++kept;
     }

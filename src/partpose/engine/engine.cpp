@@ -467,11 +467,22 @@ void Engine::Impl::add_separated(std::vector<Target>& targets, const FramePieces
   std::vector<Target> added;
   double evidence = 0;
   std::bitset<256> labels;
+  // Of several poses for the same pixels the likeliest may be one that nothing holds.
+  const auto hangs = [&](const Candidate& candidate, const SeparatedPart& found) {
+    const PartModel& model = *models[part_of(candidate)];
+    const auto height_mm = height_above_table_mm(frame, model, candidate.camera_from_model);
+    if (!height_mm || *height_mm < touch_tolerance_mm(model, 0)) return false;
+    return std::none_of(parts.begin(), parts.end(), [&](const SeparatedPart& other) {
+      const PartModel& other_model = *models[other.hypotheses[0].part];
+      return &other != &found && touches(model, candidate.camera_from_model, other_model,
+                                         other.hypotheses[0].camera_from_model, touch_tolerance_mm(other_model, 0));
+    });
+  };
   for (const auto& part : parts) {
     Target target = time("points", [&] { return Target(frame, part.object); });
     if (target.view.points.points_mm.size() < 30) continue;
     time("verify", [&] { verify(target, part.hypotheses); });
-    if (target.candidates.empty()) continue;
+    if (target.candidates.empty() || hangs(target.candidates[0], part)) continue;
     reconsider(target, time);
     evidence += target.evidence();
     labels |= part.object.labels;

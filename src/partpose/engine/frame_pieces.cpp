@@ -704,9 +704,17 @@ FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const
   return frame;
 }
 
+bool is_on_table(const FramePieces& frame, std::int32_t pixel) {
+  constexpr float near_table_mm = 8;
+  if (!frame.table || frame.label[pixel] != FramePieces::background) return false;
+  const int u = pixel % frame.depth->width, v = pixel / frame.depth->width;
+  const Eigen::Vector3d ray((u - frame.camera.cx) / frame.camera.fx, (v - frame.camera.cy) / frame.camera.fy, 1);
+  return frame.table->height_mm(ray.cast<float>(), frame.depth->z_mm[pixel]) < near_table_mm;
+}
+
 void find_shadows(FramePieces& frame) {
-  constexpr int window_px = 8;        // so much more is lost beside an edge, since windows are matched
-  constexpr double wider = 1.5;       // some cameras' imagers are farther apart
+  constexpr int window_px = 8;   // so much more is lost beside an edge, since windows are matched
+  constexpr double wider = 1.5;  // some cameras' imagers are farther apart
   constexpr float least_step_mm = 8;
   const DepthImage& depth = *frame.depth;
   frame.shadow_of.assign(frame.label.size(), -1);
@@ -725,7 +733,7 @@ void find_shadows(FramePieces& frame) {
       }
       const std::int32_t left = row + from - 1, right = row + u;
       const float step = depth.z_mm[right] - depth.z_mm[left];
-      if (std::abs(step) < least_step_mm) continue;
+      if (std::abs(step) < least_step_mm || is_on_table(frame, step > 0 ? left : right)) continue;
       // As wide as the disparity jumps.
       const double widest_px = frame.camera.fx * FramePieces::baseline_mm *
                                std::abs(1 / double(depth.z_mm[left]) - 1 / double(depth.z_mm[right]));
@@ -774,7 +782,7 @@ FrameWindow window(const FramePieces& frame, const FrameObject& object, int u0, 
       out.label[to] = meaning[frame.label[from]];
       if (!frame.shadow_of.empty() && frame.shadow_of[from] >= 0) {
         const std::int32_t by = frame.shadow_of[from];
-        if (frame.label[by] != FramePieces::background && !object.labels.test(frame.label[by])) {
+        if (!object.labels.test(frame.label[by])) {
           out.depth.z_mm[to] = std::max(depth.z_mm[by], hides_all_mm);
           out.label[to] = PixelLabel::background;
         }

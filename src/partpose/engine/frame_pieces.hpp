@@ -79,6 +79,9 @@ struct FramePieces {
 /// 80,000) and tells the others by them.
 FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options);
 
+/// Whether a pixel that belongs to no piece shows the table, or what is behind it; `pixel`: row by row.
+bool is_on_table(const FramePieces& frame, std::int32_t pixel);
+
 /// Fills `shadow_of`. What hides a pixel from one imager may hide it from the other as well: there a part may be
 /// hidden.
 void find_shadows(FramePieces& frame);

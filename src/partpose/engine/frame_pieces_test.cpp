@@ -158,5 +158,18 @@ TEST(FindShadows, WhatIsNearerHidesWhatIsNotMeasuredBesideIt) {
   for (int u = 0; u < 40; ++u) EXPECT_EQ(frame.shadow_of[u], u >= 14 && u < 20 ? 20 : -1) << u;
 }
 
+TEST(FindShadows, AShadowIsAsWideAsTheDisparityJumps) {
+  for (const int gap : {70, 100}) {  // the disparity of 300 mm is 55 px more than that of 600 mm
+    DepthImage depth(200, 1);
+    for (int u = 0; u < 200; ++u) depth.z_mm[u] = u < 50 ? 600.0f : u < 50 + gap ? 0.0f : 300.0f;
+    FramePieces frame;
+    frame.depth = &depth;
+    frame.camera.fx = 600;
+    for (const float z : depth.z_mm) frame.label.push_back(z > 0 ? FramePieces::background : FramePieces::not_measured);
+    find_shadows(frame);
+    EXPECT_EQ(frame.shadow_of[60], gap == 70 ? 50 + gap : -1);
+  }
+}
+
 }  // namespace
 }  // namespace partpose

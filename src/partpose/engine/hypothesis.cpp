@@ -176,8 +176,8 @@ double expected_noise_mm(const FramePieces& frame, const FrameObject& object, co
                          double local_noise_mm) {
   constexpr double disparity_px = 0.1, near_mm = 0.4;
   const double z_mm = centre_mm.z();
-  double noise_mm =
-      std::max(local_noise_mm, std::hypot(near_mm, z_mm * z_mm * disparity_px / (frame.camera.fx * FramePieces::baseline_mm)));
+  double noise_mm = std::max(
+      local_noise_mm, std::hypot(near_mm, z_mm * z_mm * disparity_px / (frame.camera.fx * FramePieces::baseline_mm)));
   if (frame.table && !object.whole_frame) {
     const Eigen::Vector3d ray = centre_mm / z_mm, q = frame.table->q.cast<double>();
     const double inverse_table_z = q.dot(ray);
@@ -224,10 +224,18 @@ double touch_tolerance_mm(const PartModel& model, double noise_mm) {
   return std::max(share * model.diameter_mm, 3 * noise_mm);
 }
 
+bool touches(const PartModel& a, const Eigen::Isometry3d& camera_from_a, const PartModel& b,
+             const Eigen::Isometry3d& camera_from_b, double tolerance_mm) {
+  const Eigen::Isometry3f b_from_a = (camera_from_b.inverse() * camera_from_a).cast<float>();
+  return std::any_of(a.samples_mm.begin(), a.samples_mm.end(),
+                     [&](const auto& p) { return b.field.at(b_from_a * p).distance_mm < tolerance_mm; });
+}
+
 bool sinks_into_table(const FramePieces& frame, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
                       double tolerance_mm) {
+  constexpr double table_off_mm = 8;  // of a camera that bends it where a part hides it
   const auto height_mm = height_above_table_mm(frame, model, camera_from_model);
-  return height_mm && *height_mm < -tolerance_mm;
+  return height_mm && *height_mm < -std::max(tolerance_mm, table_off_mm);
 }
 
 bool is_partly_hidden(const ObjectView& view) { return hidden_side(view).has_value(); }

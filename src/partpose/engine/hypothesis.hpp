@@ -52,6 +52,10 @@ std::optional<double> height_above_table_mm(const FramePieces& frame, const Part
 /// A part that is as near to something touches it.
 double touch_tolerance_mm(const PartModel& model, double noise_mm);
 
+/// Whether a place of part `a` is within or beside part `b`.
+bool touches(const PartModel& a, const Eigen::Isometry3d& camera_from_a, const PartModel& b,
+             const Eigen::Isometry3d& camera_from_b, double tolerance_mm);
+
 /// Whether the part reaches into the table, where no part can be.
 bool sinks_into_table(const FramePieces& frame, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
                       double tolerance_mm);
