@@ -69,6 +69,88 @@ std::vector<Beside> beside_part(const DepthImage& rendered, int reach) {
   return beside;
 }
 
+/// The mean over pairs of pixels that lie opposite each other on one surface, as far as they do, along each row: what a
+/// matched window of that half width makes of a surface; a plane stays as it is.
+void average_along(const DepthImage& from, DepthImage& to, int half, float edge_mm, bool columns) {
+  const int stride = columns ? from.width : 1;
+  for (int v = 0; v < from.height; ++v)
+    for (int u = 0; u < from.width; ++u) {
+      const int p = v * from.width + u;
+      const float z = from.z_mm[p];
+      if (!(z > 0)) continue;
+      const int room = columns ? std::min(v, from.height - 1 - v) : std::min(u, from.width - 1 - u);
+      float offsets = 0;
+      int count = 1;
+      for (int k = 1; k <= std::min(room, half); ++k) {
+        const float a = from.z_mm[p - k * stride], b = from.z_mm[p + k * stride];
+        const float bend = a + b - 2 * z;
+        if (!(a > 0 && b > 0) || std::abs(bend) > edge_mm) break;
+        offsets += bend;
+        count += 2;
+      }
+      to.z_mm[p] = z + offsets / static_cast<float>(count);
+    }
+}
+
+/// A rendering as a camera that matches windows sees it.
+DepthImage as_matched(DepthImage rendered, const SensorModel& sensor) {
+  const int half = static_cast<int>(std::lround(sensor.growth_px));
+  if (half < 1) return rendered;
+  DepthImage rows = rendered;
+  average_along(rendered, rows, half, static_cast<float>(sensor.edge_mm), false);
+  average_along(rows, rendered, half, static_cast<float>(sensor.edge_mm), true);
+  return rendered;
+}
+
+/// Sums over boxes of an image, each by four look-ups (Crow 1984).
+class BoxSums {
+ public:
+  BoxSums(int width, int height) : row_(width + 1), sum_(static_cast<std::size_t>(row_) * (height + 1), 0.0f) {}
+  /// In order, row by row.
+  void add(int u, int v, float value) {
+    float* at = &sum_[static_cast<std::size_t>(v + 1) * row_ + u + 1];
+    *at = value + at[-1] + at[-row_] - at[-row_ - 1];
+  }
+  /// Of the pixels [u0, u1) x [v0, v1).
+  float operator()(int u0, int v0, int u1, int v1) const {
+    return at(u1, v1) - at(u0, v1) - at(u1, v0) + at(u0, v0);
+  }
+
+ private:
+  float at(int u, int v) const { return sum_[static_cast<std::size_t>(v) * row_ + u]; }
+
+  int row_;
+  std::vector<float> sum_;
+};
+
+/// Sum of the squares of `deviation`, in standard deviations, from the mean within `reach` of each, each at most nine.
+/// Infinite ones are none; where there are few about a pixel, nothing is known of their mean.
+double local_deviations(const std::vector<float>& deviation, int width, int height, int reach) {
+  constexpr float least_share = 0.1f, most = 9;
+  BoxSums sums(width, height), counts(width, height);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) {
+      const float value = deviation[static_cast<std::size_t>(v) * width + u];
+      const bool known = value < nowhere_mm;
+      sums.add(u, v, known ? value : 0);
+      counts.add(u, v, known ? 1.0f : 0.0f);
+    }
+  const float least = least_share * static_cast<float>((2 * reach + 1) * (2 * reach + 1));
+  double sum = 0;
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) {
+      const float value = deviation[static_cast<std::size_t>(v) * width + u];
+      if (!(value < nowhere_mm)) continue;
+      const int u0 = std::max(u - reach, 0), u1 = std::min(u + reach + 1, width);
+      const int v0 = std::max(v - reach, 0), v1 = std::min(v + reach + 1, height);
+      const float count = counts(u0, v0, u1, v1);
+      if (count < least) continue;
+      const float local = value - sums(u0, v0, u1, v1) / count;
+      sum += std::min(local * local, most);
+    }
+  return sum;
+}
+
 }  // namespace
 
 PaddedDepth::PaddedDepth(int width, int height, int reach)
@@ -147,7 +229,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
   Intrinsics camera = frame_.camera;
   camera.cx -= u0, camera.cy -= v0;
   camera.width = box.sizes().x() + 1, camera.height = box.sizes().y() + 1;
-  const DepthImage rendered = render_depth(mesh, camera_from_model, camera, faces);
+  const DepthImage rendered = as_matched(render_depth(mesh, camera_from_model, camera, faces), sensor);
   PaddedDepth part(camera.width, camera.height, reach);
   for (int v = 0; v < camera.height; ++v) {
     const float* from = &rendered.z_mm[static_cast<std::size_t>(v) * camera.width];
@@ -171,7 +253,9 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
   const Outline outline(sensor);
   const std::vector<Beside> beside = beside_part(rendered, std::min(reach, Outline::most));
 
-  double log_likelihood = 0, soft = 0, judged = 0, squared = 0;
+  constexpr float most_deviations = 6;
+  std::vector<float> deviation(rendered.z_mm.size(), nowhere_mm);
+  double log_likelihood = 0, soft = 0, judged = 0;
   for (int v = 0; v < camera.height; ++v) {
     const float* part_row = part.row(v);
     const float* object_row = object_.row(v0 + v) + u0;
@@ -190,9 +274,8 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
         out.unexplained += agree <= 0;
         soft += 2 * agree;
         judged += 2;
-        const float t = here / noise_mm;
-        squared += std::min(t * t, 9.0f);
-        ++out.compared;
+        if (here < most_deviations * noise_mm)
+          deviation[static_cast<std::size_t>(v) * camera.width + u] = (object_z - model_z) / noise_mm;
         log_likelihood +=
             log_match + (sure ? log_density(here) : std::max(log_density(here), log_edge + log_density(near)));
       } else if (model) {
@@ -255,7 +338,9 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
   }
   out.soft = soft;
   out.judged = judged;
-  out.squared_deviations = squared;
+  if (sensor.waves_px > 0)
+    out.local_deviations = local_deviations(deviation, camera.width, camera.height,
+                                            std::max(1, static_cast<int>(std::lround(sensor.waves_px))));
   out.log_likelihood = log_likelihood;
   out.best_log_likelihood = out.object * (log_match + log_density(0));
   return out;

@@ -24,7 +24,9 @@ struct SensorModel {
   double hole = 0.15;     ///< share of the part's pixels without a depth
   double hidden = 0.7;    ///< share of the part's pixels where something else is before it
   int outline_px = 1;     ///< so far an object's outline may be off, in pixels of the comparison
-  double growth_px = 0;   ///< so far what is in front grows over what is behind it, in pixels of the comparison
+  double growth_px = 0;   ///< so far what is in front grows over what is behind it, in pixels of the comparison: half
+                          ///< of the window that was matched, which averages surfaces as well
+  double waves_px = 0;    ///< depths so near to one another err together, in pixels of the comparison; 0: not asked
   double edge_mm = 10;    ///< from such a jump in depth on
   double size_mm = 100;   ///< the depths in question: where nothing is known, a depth is anywhere in it
 };
@@ -49,8 +51,8 @@ struct DepthComparison {
   int object = 0;                  ///< pixels of the object
   int unexplained = 0;             ///< of them: no part is rendered there within three deviations, nor at a neighbour
   int object_outline = 0;          ///< of them: not the part's, but next to it
-  double squared_deviations = 0;   ///< sum over the pixels that are explained at once, each at most nine
-  int compared = 0;                ///< their number
+  double local_deviations = 0;     ///< sum of squares over the pixels that are explained at once, each at most nine:
+                                   ///< from the mean within `waves_px`, in which a camera's slow waves are
   double log_likelihood = 0;       ///< sum over the pixels; 0: what a surface of unknown shape would have
   double best_log_likelihood = 0;  ///< of a rendering that meets every object pixel exactly
   double soft = 0;                 ///< sum of the agreement of both directions, each pixel 0 to 1

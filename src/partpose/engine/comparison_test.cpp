@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace partpose {
@@ -43,6 +44,47 @@ TEST_F(Comparison, TheTruthExplainsAll) {
   EXPECT_EQ(c.unexplained + c.free_space + c.hidden + c.nothing, 0);
   // But for what might have grown over the table beside it.
   EXPECT_NEAR(c.log_likelihood, c.best_log_likelihood, 0.01 * c.best_log_likelihood);
+}
+
+TEST_F(Comparison, SlowWavesAreNoLocalDeviations) {
+  const SensorModel sensor{.noise_mm = 0.5, .waves_px = 4};
+  const auto with_error = [&](auto error_mm) {
+    FrameWindow measured = frame;
+    for (int v = 0; v < measured.depth.height; ++v)
+      for (int u = 0; u < measured.depth.width; ++u)
+        measured.depth.z_mm[static_cast<std::size_t>(v) * measured.depth.width + u] += error_mm(u, v);
+    return compare_depth(mesh, pose, measured, sensor);
+  };
+  const DepthComparison slow = with_error([](int u, int) { return 0.5f * std::sin(0.05f * static_cast<float>(u)); });
+  const DepthComparison quick = with_error([](int u, int v) { return (u + v) % 2 ? 0.35f : -0.35f; });
+  EXPECT_NEAR(slow.log_likelihood, quick.log_likelihood, 0.05 * quick.log_likelihood);
+  EXPECT_LT(slow.local_deviations, 0.02 * slow.object);
+  EXPECT_GT(quick.local_deviations, 0.4 * quick.object);
+}
+
+TEST_F(Comparison, AMatchedWindowAveragesSurfaces) {
+  // A ridge 2 mm high and 3 mm wide, seen 3 pixels wide: a window of 7 x 7 pixels makes 0.9 mm of it.
+  TriangleMesh with_ridge = mesh;
+  const TriangleMesh ridge = shapes::box(Eigen::Vector3f(60, 3, 2));
+  const int before = static_cast<int>(mesh.vertices.size());
+  for (const auto& corner : ridge.vertices) with_ridge.vertices.push_back(corner - Eigen::Vector3f(0, 0, 11));
+  for (const auto& [a, b, c] : ridge.triangles) with_ridge.triangles.push_back({a + before, b + before, c + before});
+  const DepthImage seen = render(with_ridge, pose, frame.camera).depth;
+  for (int v = 3; v + 3 < seen.height; ++v)
+    for (int u = 0; u < seen.width; ++u) {
+      if (!(seen.at(u, v) > 0)) continue;
+      float sum = 0;
+      for (int k = -3; k <= 3; ++k) sum += seen.at(u, v + k) > 0 ? seen.at(u, v + k) : 490.0f;
+      frame.depth.z_mm[static_cast<std::size_t>(v) * seen.width + u] = sum / 7;
+    }
+  SensorModel sensor{.noise_mm = 0.3, .outline_px = 1, .edge_mm = 5};
+  const auto gain = [&] {
+    const DepthComparison c = compare_depth(with_ridge, pose, frame, sensor);
+    return c.log_likelihood / c.best_log_likelihood;
+  };
+  const double each_for_itself = gain();
+  sensor.growth_px = 3;
+  EXPECT_GT(gain(), each_for_itself + 0.05);
 }
 
 TEST_F(Comparison, CountsBothDirections) {

@@ -647,7 +647,10 @@ void Engine::Impl::decide(Target& target) const {
   const std::size_t contenders = contenders_of(target);
   std::vector<DepthComparison> comparison(contenders);
   const int stride = stride_for(target.view, fine_pixels);
-  const DepthComparer compare(target.fine, sensor(target, stride));
+  constexpr double waves_px = 8;
+  SensorModel with_waves = sensor(target, stride);
+  with_waves.waves_px = waves_px / stride;
+  const DepthComparer compare(target.fine, with_waves);
   parallel_for(contenders, [&](std::size_t i) {
     const int part = part_of(candidates[i]);
     const PartModel& model = *models[part];

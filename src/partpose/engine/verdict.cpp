@@ -31,7 +31,7 @@ double probability_of_part(const DepthComparison& c) {
   return 1 / (1 + std::exp(-logit));
 }
 
-double log_evidence(const DepthComparison& c) { return c.log_likelihood - 0.5 * c.squared_deviations; }
+double log_evidence(const DepthComparison& c) { return c.log_likelihood - c.local_deviations; }
 
 std::vector<double> shares(std::span<const double> log_likelihoods, int stride) {
   std::vector<double> out;

@@ -14,8 +14,8 @@ namespace partpose {
 /// regression (Cox 1958); docs/engine.md says on which frames it was fitted.
 double probability_of_part(const DepthComparison& comparison);
 
-/// By which poses of one object compete: the log-likelihood with the squared deviations counted twice, since most of
-/// the noise is waves that all poses share. Fitted with the above.
+/// By which poses of one object compete: the log-likelihood, and once more what deviates from the waves that are in all
+/// of them. Needs `local_deviations`.
 double log_evidence(const DepthComparison& comparison);
 
 /// Probabilities of poses of which one is right, by their log-evidences on every `stride`-th pixel: a stereo camera's

@@ -13,8 +13,8 @@ namespace {
 
 DepthComparison good_comparison() {
   DepthComparison c;
-  c.model = c.object = c.explained = c.compared = 1000;
-  c.squared_deviations = 1000;
+  c.model = c.object = c.explained = 1000;
+  c.local_deviations = 1000;
   c.log_likelihood = 2800;
   c.best_log_likelihood = 3500;
   return c;

@@ -62,6 +62,18 @@ double least_difference(float z, const DepthImage& other, int u, int v, double s
   return least;
 }
 
+/// By which b's depths are to be multiplied to be most like a's, as far as a camera may err by it unknown.
+float common_factor(const DepthImage& a, const DepthImage& b, double slow_percent) {
+  std::vector<float> factors;
+  for (std::size_t p = 0; p < a.z_mm.size(); ++p)
+    if (a.z_mm[p] > 0 && b.z_mm[p] > 0) factors.push_back(a.z_mm[p] / b.z_mm[p]);
+  if (factors.empty()) return 1;
+  const auto median = factors.begin() + static_cast<std::ptrdiff_t>(factors.size() / 2);
+  std::nth_element(factors.begin(), median, factors.end());
+  const auto most = static_cast<float>(slow_percent / 100);
+  return std::clamp(*median, 1 - most, 1 + most);
+}
+
 }  // namespace
 
 void AmbiguityOptions::check() const {
@@ -74,6 +86,8 @@ void AmbiguityOptions::check() const {
   at_least_zero("disparity_sigma_px", disparity_sigma_px);
   positive("baseline_mm", baseline_mm);
   positive("floor_mm", floor_mm);
+  at_least_zero("slow_percent", slow_percent);
+  if (slow_percent > 20) throw Error("slow_percent {}: must be at most 20", slow_percent);
   positive("sigmas", sigmas);
   at_least_zero("max_share", max_share);
   if (max_share > 1) throw Error("max_share {}: must be at most 1", max_share);
@@ -82,15 +96,18 @@ void AmbiguityOptions::check() const {
 }
 
 AmbiguityOptions AmbiguityOptions::of(const NoiseOptions& noise) {
+  if (noise.model == "stereo") return of(noise.stereo.value_or(StereoSensorOptions{}));
   AmbiguityOptions options;
-  if (noise.model == "stereo") {
-    const auto stereo = noise.stereo.value_or(StereoSensorOptions{});
-    options.disparity_sigma_px = stereo.disparity_noise_px;
-    options.baseline_mm = stereo.baseline_mm;
-    return options;
-  }
   options.disparity_sigma_px = 0;
   if (noise.model != "none") options.floor_mm = std::max<double>(options.floor_mm, noise.standard_deviation_mm);
+  return options;
+}
+
+AmbiguityOptions AmbiguityOptions::of(const StereoSensorOptions& sensor) {
+  AmbiguityOptions options;
+  options.disparity_sigma_px = sensor.disparity_noise_px;
+  options.baseline_mm = sensor.baseline_mm;
+  options.slow_percent = sensor.static_pattern_percent / 2;  // which is from peak to peak
   return options;
 }
 
@@ -103,10 +120,15 @@ bool DepthDifference::indistinguishable(const AmbiguityOptions& options) const {
          differing_px <= union_px / 4 && rms_sigmas <= options.max_rms_sigmas;
 }
 
-DepthDifference depth_difference(const DepthImage& a, const DepthImage& b, double fx_px,
+DepthDifference depth_difference(const DepthImage& a, const DepthImage& other, double fx_px,
                                  const AmbiguityOptions& options) {
-  if (a.width != b.width || a.height != b.height)
-    throw Error("depth images of {} x {} and {} x {} cannot be compared", a.width, a.height, b.width, b.height);
+  if (a.width != other.width || a.height != other.height)
+    throw Error("depth images of {} x {} and {} x {} cannot be compared", a.width, a.height, other.width, other.height);
+  DepthImage b = other;
+  if (options.slow_percent > 0) {
+    const float factor = common_factor(a, b, options.slow_percent);
+    for (float& z : b.z_mm) z *= factor;
+  }
   DepthDifference out;
   double sum = 0;
   int compared = 0;

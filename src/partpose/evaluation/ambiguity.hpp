@@ -21,6 +21,7 @@ struct AmbiguityOptions {
   double disparity_sigma_px = 0.08;
   double baseline_mm = 55;
   double floor_mm = 0.3;
+  double slow_percent = 0;
   double sigmas = 3;
   double max_share = 0.01;
   int max_px = 25;
@@ -31,6 +32,8 @@ struct AmbiguityOptions {
     visit("disparity_sigma_px", self.disparity_sigma_px, "standard deviation of the disparity [px], >= 0");
     visit("baseline_mm", self.baseline_mm, "distance of the stereo camera's imagers [mm], > 0");
     visit("floor_mm", self.floor_mm, "standard deviation that is there at any depth [mm], > 0 (1 mm steps: 0.29)");
+    visit("slow_percent", self.slow_percent,
+          "largest error of the depth, of either sign, that is the same all over a part [%], 0 to 20");
     visit("sigmas", self.sigmas, "depths farther apart than so many standard deviations differ, > 0");
     visit("max_share", self.max_share, "share of the pixels that may differ, 0 to 1");
     visit("max_px", self.max_px, "pixels that may differ in any case, >= 0");
@@ -41,6 +44,7 @@ struct AmbiguityOptions {
 
   /// As far as a virtual camera's noise lets depths differ unseen.
   static AmbiguityOptions of(const NoiseOptions& noise);
+  static AmbiguityOptions of(const StereoSensorOptions& sensor);
 
   /// Of one measured depth: sqrt(floor^2 + (z^2 disparity_sigma / (f baseline))^2).
   double sigma_mm(double z_mm, double fx_px) const;
@@ -49,7 +53,8 @@ struct AmbiguityOptions {
 /// How far apart two depth images are. A pixel of one agrees with the other when the depth there, at the same pixel or
 /// at one of its eight neighbours, differs by at most `sigmas` standard deviations: edges that grow or shrink by a
 /// pixel and lateral shifts of less than a pixel are within what a stereo camera does. What is seen in one and not in
-/// the other differs without limit.
+/// the other differs without limit. A factor between all depths of the two, by up to `slow_percent`, is no difference: a
+/// camera that errs so does not know it.
 struct DepthDifference {
   int union_px = 0;       ///< where at least one of the two is seen
   int differing_px = 0;   ///< of them, those where one of the two does not agree with the other

@@ -140,6 +140,20 @@ TEST(Indistinguishable, ShiftsBelowTheNoiseOnly) {
   EXPECT_TRUE(indistinguishable(block, pose, block, shifted(3 * sigma), vga, noisy));
 }
 
+TEST(Indistinguishable, ASlowErrorIsTheCamerasOwn) {
+  const TriangleMesh part = shaft_with_window();
+  const AmbiguityOptions options = AmbiguityOptions::of(StereoSensorOptions{});
+  const auto nearer = [&](const Eigen::Isometry3d& pose, double share) {
+    return Eigen::Isometry3d(Eigen::Translation3d(0, 0, -share * distance_mm) * pose);
+  };
+  const auto from_behind = seen_from({-1, 0.1, 0.2}), from_front = seen_from({1, 0.1, 0.2});
+  EXPECT_FALSE(indistinguishable(part, from_behind, part, nearer(from_behind, 0.004), vga));
+  EXPECT_TRUE(indistinguishable(part, from_behind, part, nearer(from_behind * about_z(40), 0.004), vga, options));
+  EXPECT_FALSE(indistinguishable(part, from_behind, part, nearer(from_behind, 0.012), vga, options));
+  // It is no excuse for what can be seen all the same.
+  EXPECT_FALSE(indistinguishable(part, from_front, part, nearer(from_front * about_z(40), 0.004), vga, options));
+}
+
 TEST(Indistinguishable, OutOfView) {
   const TriangleMesh block = shapes::box({80, 60, 40});
   const auto pose = seen_from({0, 0, 1});

@@ -278,8 +278,7 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
   const SceneDataset drawn = read_scene_dataset(folder);
   AmbiguityOptions noise;
   if (options.sensor.model == "stereo") {
-    noise.disparity_sigma_px = options.sensor.stereo.disparity_noise_px;
-    noise.baseline_mm = options.sensor.stereo.baseline_mm;
+    noise = AmbiguityOptions::of(options.sensor.stereo);
   } else {
     noise.disparity_sigma_px = 0;
     if (options.sensor.model != "none") noise.floor_mm = std::max(noise.floor_mm, options.sensor.standard_deviation_mm);
