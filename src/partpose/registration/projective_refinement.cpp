@@ -56,7 +56,12 @@ PixelPairs pair_pixels(const TriangleMesh& mesh, const Eigen::Isometry3d& camera
         normal = camera_from_model.linear() * mesh.face_normal(seen).cast<double>();
       }
       const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
-      pairs.add(model_z * ray, normal, (double{model_z} - measured_z) * normal.dot(ray));
+      // The noise is that of the depth, the same at any slant: as far as the slant itself is known.
+      constexpr double least_incidence = 0.2;
+      const double incidence = normal.dot(ray);
+      const double per_incidence = 1 / std::copysign(std::max(std::abs(incidence), least_incidence), incidence);
+      pairs.add(model_z * ray, normal * per_incidence,
+                (double{model_z} - measured_z) * incidence * per_incidence);
     }
   }
   return pairs;
