@@ -112,9 +112,7 @@ class BoxSums {
     *at = value + at[-1] + at[-row_] - at[-row_ - 1];
   }
   /// Of the pixels [u0, u1) x [v0, v1).
-  float operator()(int u0, int v0, int u1, int v1) const {
-    return at(u1, v1) - at(u0, v1) - at(u1, v0) + at(u0, v0);
-  }
+  float operator()(int u0, int v0, int u1, int v1) const { return at(u1, v1) - at(u0, v1) - at(u1, v0) + at(u0, v0); }
 
  private:
   float at(int u, int v) const { return sum_[static_cast<std::size_t>(v) * row_ + u]; }

@@ -53,8 +53,8 @@ struct AmbiguityOptions {
 /// How far apart two depth images are. A pixel of one agrees with the other when the depth there, at the same pixel or
 /// at one of its eight neighbours, differs by at most `sigmas` standard deviations: edges that grow or shrink by a
 /// pixel and lateral shifts of less than a pixel are within what a stereo camera does. What is seen in one and not in
-/// the other differs without limit. A factor between all depths of the two, by up to `slow_percent`, is no difference: a
-/// camera that errs so does not know it.
+/// the other differs without limit. A factor between all depths of the two, by up to `slow_percent`, is no difference:
+/// a camera that errs so does not know it.
 struct DepthDifference {
   int union_px = 0;       ///< where at least one of the two is seen
   int differing_px = 0;   ///< of them, those where one of the two does not agree with the other

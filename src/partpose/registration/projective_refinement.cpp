@@ -20,8 +20,8 @@ using Lanes = NumberLanes<double>;
 struct PixelPairs {
   struct Group {
     Lanes x_mm, y_mm, z_mm;                    ///< of the model
-    Lanes normal_x, normal_y, normal_z;        ///< there
-    Lanes residual_mm = {1e9, 1e9, 1e9, 1e9};  ///< how far it lies before the measured point, along the normal
+    Lanes normal_x, normal_y, normal_z;        ///< there, over the cosine of incidence
+    Lanes residual_mm = {1e9, 1e9, 1e9, 1e9};  ///< how far it lies before the measured point, along the line of sight
   };
   std::vector<Group> groups;
   std::vector<double> absolute_residuals_mm;
@@ -41,7 +41,7 @@ struct PixelPairs {
 };
 
 PixelPairs pair_pixels(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model, const DepthImage& depth,
-                       const Intrinsics& camera, const ProjectiveRefinementOptions& options) {
+                       const Intrinsics& camera, const ProjectiveRefinementOptions& options, bool along_sight) {
   const Rendering rendering = render(mesh, camera_from_model, camera, options.faces);
   PixelPairs pairs;
   int seen = -1;
@@ -59,9 +59,8 @@ PixelPairs pair_pixels(const TriangleMesh& mesh, const Eigen::Isometry3d& camera
       // The noise is that of the depth, the same at any slant: as far as the slant itself is known.
       constexpr double least_incidence = 0.2;
       const double incidence = normal.dot(ray);
-      const double per_incidence = 1 / std::copysign(std::max(std::abs(incidence), least_incidence), incidence);
-      pairs.add(model_z * ray, normal * per_incidence,
-                (double{model_z} - measured_z) * incidence * per_incidence);
+      const double factor = along_sight ? 1 / std::max(std::abs(incidence), least_incidence) : 1;
+      pairs.add(model_z * ray, factor * normal, factor * (double{model_z} - measured_z) * incidence);
     }
   }
   return pairs;
@@ -118,7 +117,9 @@ ProjectiveRefinement refine_projectively(const TriangleMesh& mesh, const Eigen::
   ProjectiveRefinement out;
   out.camera_from_model = camera_from_model;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    PixelPairs pairs = pair_pixels(mesh, out.camera_from_model, depth, camera, options);
+    // Far from the end what lies at a slant is far away along the line of sight, and would pass for outliers.
+    const bool along_sight = iteration > 0;
+    PixelPairs pairs = pair_pixels(mesh, out.camera_from_model, depth, camera, options, along_sight);
     out.pixels = static_cast<int>(pairs.size());
     if (pairs.size() < 20) break;
     const Eigen::Vector3d centre = pairs.sum_mm / static_cast<double>(pairs.size());
