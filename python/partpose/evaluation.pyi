@@ -566,13 +566,14 @@ class AmbiguityOptions:
     disparity_sigma_px = 0.08: standard deviation of the disparity [px], >= 0
     baseline_mm = 55.0: distance of the stereo camera's imagers [mm], > 0
     floor_mm = 0.3: standard deviation that is there at any depth [mm], > 0 (1 mm steps: 0.29)
+    slow_percent = 0.0: largest error of the depth, of either sign, that is the same all over a part [%], 0 to 20
     sigmas = 3.0: depths farther apart than so many standard deviations differ, > 0
     max_share = 0.01: share of the pixels that may differ, 0 to 1
     max_px = 25: pixels that may differ in any case, >= 0
     max_rms_sigmas = 1.0: root mean square difference of the others [standard deviations], > 0
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, disparity_sigma_px: float = 0.08, baseline_mm: float = 55.0, floor_mm: float = 0.3, sigmas: float = 3.0, max_share: float = 0.01, max_px: int = 25, max_rms_sigmas: float = 1.0) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, disparity_sigma_px: float = 0.08, baseline_mm: float = 55.0, floor_mm: float = 0.3, slow_percent: float = 0.0, sigmas: float = 3.0, max_share: float = 0.01, max_px: int = 25, max_rms_sigmas: float = 1.0) -> None: ...
 
     @property
     def disparity_sigma_px(self) -> float:
@@ -596,6 +597,15 @@ class AmbiguityOptions:
 
     @floor_mm.setter
     def floor_mm(self, value: float, /) -> None: ...
+
+    @property
+    def slow_percent(self) -> float:
+        """
+        largest error of the depth, of either sign, that is the same all over a part [%], 0 to 20
+        """
+
+    @slow_percent.setter
+    def slow_percent(self, value: float, /) -> None: ...
 
     @property
     def sigmas(self) -> float:
