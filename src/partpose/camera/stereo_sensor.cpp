@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/camera/stereo_sensor.hpp"
 
+#include "partpose/camera/matched_window.hpp"
 #include "partpose/core/error.hpp"
 #include "partpose/core/parallel.hpp"
 #include "partpose/core/pose.hpp"
@@ -240,19 +241,7 @@ class Matching {
   }
 
   float pair_mean(const float* centre, std::ptrdiff_t stride, int room) const {
-    const float d = *centre;
-    if (!(d > 0)) return d;
-    const auto tolerance = static_cast<float>(options_.edge_jump_px);
-    float offsets = 0;
-    int count = 1;
-    for (int k = 1; k <= std::min(room, options_.smoothing_px); ++k) {
-      const float a = centre[-k * stride], b = centre[k * stride];
-      const float bend = (a - d) + (b - d);
-      if (!(a > 0 && b > 0) || std::abs(bend) > tolerance) break;
-      offsets += bend;
-      count += 2;
-    }
-    return d + offsets / static_cast<float>(count);
+    return matched_mean(centre, stride, room, options_.smoothing_px, static_cast<float>(options_.edge_jump_px));
   }
 
   /// Grows the nearer of pixels p and p + stride over the other's side, when they are an edge.

@@ -447,8 +447,8 @@ class Separation {
   /// Whether the part stands on the table, or touches a part that does: nothing hangs in the air, nor reaches into the
   /// table. All, where no table is seen.
   bool is_held(const Hypothesis& h) const {
-    const auto height_mm = height_above_table_mm(frame_, *models_[h.part], h.camera_from_model);
     if (sinks_into_table(frame_, *models_[h.part], h.camera_from_model, tolerance_mm(h))) return false;
+    const auto height_mm = height_above_table_mm(frame_, *models_[h.part], h.camera_from_model);
     if (!height_mm || *height_mm < tolerance_mm(h)) return true;
     return std::any_of(parts.begin(), parts.end(), [&](const SeparatedPart& part) {
       const Hypothesis& other = part.hypotheses[0];

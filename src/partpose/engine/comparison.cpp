@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/engine/comparison.hpp"
 
+#include "partpose/camera/matched_window.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -69,36 +71,19 @@ std::vector<Beside> beside_part(const DepthImage& rendered, int reach) {
   return beside;
 }
 
-/// The mean over pairs of pixels that lie opposite each other on one surface, as far as they do, along each row: what a
-/// matched window of that half width makes of a surface; a plane stays as it is.
-void average_along(const DepthImage& from, DepthImage& to, int half, float edge_mm, bool columns) {
-  const int stride = columns ? from.width : 1;
-  for (int v = 0; v < from.height; ++v)
-    for (int u = 0; u < from.width; ++u) {
-      const int p = v * from.width + u;
-      const float z = from.z_mm[p];
-      if (!(z > 0)) continue;
-      const int room = columns ? std::min(v, from.height - 1 - v) : std::min(u, from.width - 1 - u);
-      float offsets = 0;
-      int count = 1;
-      for (int k = 1; k <= std::min(room, half); ++k) {
-        const float a = from.z_mm[p - k * stride], b = from.z_mm[p + k * stride];
-        const float bend = a + b - 2 * z;
-        if (!(a > 0 && b > 0) || std::abs(bend) > edge_mm) break;
-        offsets += bend;
-        count += 2;
-      }
-      to.z_mm[p] = z + offsets / static_cast<float>(count);
-    }
-}
-
 /// A rendering as a camera that matches windows sees it.
 DepthImage as_matched(DepthImage rendered, const SensorModel& sensor) {
-  const int half = static_cast<int>(std::lround(sensor.growth_px));
-  if (half < 1) return rendered;
-  DepthImage rows = rendered;
-  average_along(rendered, rows, half, static_cast<float>(sensor.edge_mm), false);
-  average_along(rows, rendered, half, static_cast<float>(sensor.edge_mm), true);
+  const int reach = static_cast<int>(std::lround(sensor.growth_px));
+  if (reach < 1) return rendered;
+  const auto edge_mm = static_cast<float>(sensor.edge_mm);
+  const int width = rendered.width, height = rendered.height;
+  DepthImage along_rows(width, height);
+  for (int v = 0, p = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u, ++p)
+      along_rows.z_mm[p] = matched_mean(&rendered.z_mm[p], 1, std::min(u, width - 1 - u), reach, edge_mm);
+  for (int v = 0, p = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u, ++p)
+      rendered.z_mm[p] = matched_mean(&along_rows.z_mm[p], width, std::min(v, height - 1 - v), reach, edge_mm);
   return rendered;
 }
 
@@ -252,7 +237,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
   const std::vector<Beside> beside = beside_part(rendered, std::min(reach, Outline::most));
 
   constexpr float most_deviations = 6;
-  std::vector<float> deviation(rendered.z_mm.size(), nowhere_mm);
+  std::vector<float> deviation(sensor.waves_px > 0 ? rendered.z_mm.size() : 0, nowhere_mm);
   double log_likelihood = 0, soft = 0, judged = 0;
   for (int v = 0; v < camera.height; ++v) {
     const float* part_row = part.row(v);
@@ -272,7 +257,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
         out.unexplained += agree <= 0;
         soft += 2 * agree;
         judged += 2;
-        if (here < most_deviations * noise_mm)
+        if (sensor.waves_px > 0 && here < most_deviations * noise_mm)
           deviation[static_cast<std::size_t>(v) * camera.width + u] = (object_z - model_z) / noise_mm;
         log_likelihood +=
             log_match + (sure ? log_density(here) : std::max(log_density(here), log_edge + log_density(near)));

@@ -5,13 +5,13 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/parallel.hpp"
 #include "partpose/core/pose.hpp"
-#include "partpose/core/stopwatch.hpp"
 #include "partpose/engine/clutter_search.hpp"
 #include "partpose/engine/comparison.hpp"
 #include "partpose/engine/frame_pieces.hpp"
 #include "partpose/engine/hypothesis.hpp"
 #include "partpose/engine/part_model.hpp"
 #include "partpose/engine/verdict.hpp"
+#include "partpose/pipeline/stage_times.hpp"
 #include "partpose/preprocess/segmentation.hpp"
 #include "partpose/registration/projective_refinement.hpp"
 
@@ -64,32 +64,6 @@ struct Target {
 /// Labels of the frame's pieces that a part explains, well or not.
 struct ExplainedLabels {
   std::bitset<256> well, weakly;
-};
-
-class StageTimes {
- public:
-  explicit StageTimes(std::vector<MeasuredOperation>& stages) : stages_(stages) {}
-  template <typename Body>
-  auto operator()(const char* name, const Body& body) {
-    struct Add {
-      StageTimes& times;
-      const char* name;
-      Stopwatch watch;
-      ~Add() { times.add(name, watch.elapsed_ms()); }
-    } const add{*this, name, {}};
-    return body();
-  }
-
- private:
-  void add(const char* name, double ms) {
-    for (auto& stage : stages_)
-      if (stage.tag == name) {
-        stage.measure_ms += ms;
-        return;
-      }
-    stages_.push_back({ms, name});
-  }
-  std::vector<MeasuredOperation>& stages_;
 };
 
 DepthImage object_depth(const LabelledDepth& frame) {
@@ -176,7 +150,7 @@ struct Engine::Impl {
   /// Whether a closer look may find a part, or another one.
   bool is_worth_a_search(const Target& target) const;
   /// The models for a search that looks at every part; of a large catalogue only those heard, null for the others.
-  std::vector<const PartModel*> worth_a_search(const std::set<int>& heard) const;
+  std::vector<const PartModel*> models_to_search(const std::set<int>& heard) const;
   void verify(Target& target, std::vector<Hypothesis> hypotheses) const;
   /// Moves the contenders onto the data.
   void polish(Target& target) const;
@@ -366,7 +340,7 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
     if (!is_worth_a_search(target) || may_be_one_part || (object.labels & labels.well).any()) continue;
     if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
     auto hypotheses =
-        time("anchored", [&] { return anchored_hypotheses(worth_a_search(target.heard), frame, object, 8); });
+        time("anchored", [&] { return anchored_hypotheses(models_to_search(target.heard), frame, object, 8); });
     time("verify", [&] { verify(target, std::move(hypotheses)); });
     target.polished = false;  // with the shadows it may look different
     reconsider(target, time);
@@ -380,7 +354,7 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
   if (unexplained.none() || may_be_one_part) return {};
   if (frame.shadow_of.empty()) time("separation", [&] { find_shadows(frame); });
   std::vector<SeparatedPart> parts =
-      time("separation", [&] { return separate(worth_a_search(heard), frame, unexplained); });
+      time("separation", [&] { return separate(models_to_search(heard), frame, unexplained); });
   add_separated(targets, frame, parts, time);
   return parts;
 }
@@ -393,12 +367,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   r.num_of_points_input = static_cast<int>(
       frame.label.size() - std::count(frame.label.begin(), frame.label.end(), FramePieces::not_measured));
   if (frame.objects.empty()) {
-    r.reason = "nothing of a part's size stands out from the table or the background";
-    float farthest_mm = 0;
-    for (const float z : depth.z_mm) farthest_mm = std::max(farthest_mm, z);
-    constexpr float nearest_camera_mm = 20;
-    if (farthest_mm > 0 && farthest_mm < nearest_camera_mm)
-      r.reason += fmt::format("; its farthest point is {:.3g} mm away: is it in metres?", farthest_mm);
+    r.reason = why_nothing_stands_out(depth);
     return r;
   }
   ExplainedLabels labels;
@@ -453,7 +422,7 @@ bool Engine::Impl::is_worth_a_search(const Target& target) const {
   return target.is_weak() && target.view.object->pixels >= least_share * smallest_view_mm2 * px_per_mm * px_per_mm;
 }
 
-std::vector<const PartModel*> Engine::Impl::worth_a_search(const std::set<int>& heard) const {
+std::vector<const PartModel*> Engine::Impl::models_to_search(const std::set<int>& heard) const {
   constexpr std::size_t few_parts = 32;
   std::vector<const PartModel*> out = model_of;
   if (out.size() > few_parts)

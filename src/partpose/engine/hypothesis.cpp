@@ -35,15 +35,6 @@ std::optional<Eigen::Vector3d> hidden_side(const ObjectView& view) {
   const auto is_object = [&](int u, int v) {
     return object.labels.test(view.frame->label[static_cast<std::size_t>(v) * depth.width + u]);
   };
-  // Seen at a slant, the table before an object is nearer to the camera.
-  const auto is_table = [&](int u, int v, float z) {
-    const Intrinsics& camera = view.frame->camera;
-    if (!view.frame->table ||
-        view.frame->label[static_cast<std::size_t>(v) * depth.width + u] != FramePieces::background)
-      return false;
-    const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
-    return view.frame->table->height_mm(ray.cast<float>(), z) < 8;
-  };
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int hidden = 0, outline = 0;
   for (int v = std::max(object.v0, near_px); v <= std::min(object.v1, depth.height - 1 - near_px); v += step)
@@ -59,7 +50,8 @@ std::optional<Eigen::Vector3d> hidden_side(const ObjectView& view) {
           if (uu < 0 || vv < 0 || uu >= depth.width || vv >= depth.height) break;
           const float beside = depth.at(uu, vv);
           if (!(beside > 0)) continue;
-          if (!is_object(uu, vv) && beside < z - 8 && !is_table(uu, vv, beside)) {
+          // Seen at a slant, the table before an object is nearer to the camera.
+          if (!is_object(uu, vv) && beside < z - 8 && !is_on_table(*view.frame, vv * depth.width + uu)) {
             ++hidden;
             sum += view.frame->camera.unproject(u, v, z).cast<double>();
           }

@@ -96,18 +96,16 @@ void AmbiguityOptions::check() const {
 }
 
 AmbiguityOptions AmbiguityOptions::of(const NoiseOptions& noise) {
-  if (noise.model == "stereo") return of(noise.stereo.value_or(StereoSensorOptions{}));
   AmbiguityOptions options;
+  if (noise.model == "stereo") {
+    const auto stereo = noise.stereo.value_or(StereoSensorOptions{});
+    options.disparity_sigma_px = stereo.disparity_noise_px;
+    options.baseline_mm = stereo.baseline_mm;
+    options.slow_percent = stereo.static_pattern_percent / 2;  // which is from peak to peak
+    return options;
+  }
   options.disparity_sigma_px = 0;
   if (noise.model != "none") options.floor_mm = std::max<double>(options.floor_mm, noise.standard_deviation_mm);
-  return options;
-}
-
-AmbiguityOptions AmbiguityOptions::of(const StereoSensorOptions& sensor) {
-  AmbiguityOptions options;
-  options.disparity_sigma_px = sensor.disparity_noise_px;
-  options.baseline_mm = sensor.baseline_mm;
-  options.slow_percent = sensor.static_pattern_percent / 2;  // which is from peak to peak
   return options;
 }
 

@@ -44,7 +44,6 @@ struct AmbiguityOptions {
 
   /// As far as a virtual camera's noise lets depths differ unseen.
   static AmbiguityOptions of(const NoiseOptions& noise);
-  static AmbiguityOptions of(const StereoSensorOptions& sensor);
 
   /// Of one measured depth: sqrt(floor^2 + (z^2 disparity_sigma / (f baseline))^2).
   double sigma_mm(double z_mm, double fx_px) const;

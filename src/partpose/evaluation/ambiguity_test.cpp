@@ -142,7 +142,7 @@ TEST(Indistinguishable, ShiftsBelowTheNoiseOnly) {
 
 TEST(Indistinguishable, ASlowErrorIsTheCamerasOwn) {
   const TriangleMesh part = shaft_with_window();
-  const AmbiguityOptions options = AmbiguityOptions::of(StereoSensorOptions{});
+  const AmbiguityOptions options = AmbiguityOptions::of(NoiseOptions{.model = "stereo"});
   const auto nearer = [&](const Eigen::Isometry3d& pose, double share) {
     return Eigen::Isometry3d(Eigen::Translation3d(0, 0, -share * distance_mm) * pose);
   };

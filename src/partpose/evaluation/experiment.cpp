@@ -276,13 +276,10 @@ std::vector<TestScene> Experiment::drawn_scenes(const PartGroup& group, const Ex
     write_scene_dataset(std::move(parts), {}, options, static_cast<std::size_t>(frames), folder, {}, progress_);
   }
   const SceneDataset drawn = read_scene_dataset(folder);
-  AmbiguityOptions noise;
-  if (options.sensor.model == "stereo") {
-    noise = AmbiguityOptions::of(options.sensor.stereo);
-  } else {
-    noise.disparity_sigma_px = 0;
-    if (options.sensor.model != "none") noise.floor_mm = std::max(noise.floor_mm, options.sensor.standard_deviation_mm);
-  }
+  const auto noise = AmbiguityOptions::of(
+      NoiseOptions{.model = options.sensor.model,
+                   .standard_deviation_mm = static_cast<float>(options.sensor.standard_deviation_mm),
+                   .stereo = options.sensor.stereo});
   std::vector<TestScene> scenes;
   for (const auto& [scene_id, bop_scene] : drawn.bop.scenes) {
     for (const auto& image : bop_scene.images) {

@@ -5,9 +5,9 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/parallel.hpp"
 #include "partpose/core/pose.hpp"
-#include "partpose/core/stopwatch.hpp"
 #include "partpose/geometry/distance_grid.hpp"
 #include "partpose/geometry/voxel_grid.hpp"
+#include "partpose/pipeline/stage_times.hpp"
 #include "partpose/registration/projective_refinement.hpp"
 #include "partpose/verification/render_compare.hpp"
 
@@ -137,32 +137,6 @@ std::span<const Candidate> contenders_of(const std::vector<Candidate>& candidate
   return {candidates.data(), count};
 }
 
-class StageTimes {
- public:
-  explicit StageTimes(std::vector<MeasuredOperation>& stages) : stages_(stages) {}
-  template <typename Body>
-  auto operator()(const char* name, const Body& body) {
-    struct Add {
-      StageTimes& times;
-      const char* name;
-      Stopwatch watch;
-      ~Add() { times.add(name, watch.elapsed_ms()); }
-    } const add{*this, name, {}};
-    return body();
-  }
-
- private:
-  void add(const char* name, double ms) {
-    for (auto& stage : stages_)
-      if (stage.tag == name) {
-        stage.measure_ms += ms;
-        return;
-      }
-    stages_.push_back({ms, name});
-  }
-  std::vector<MeasuredOperation>& stages_;
-};
-
 }  // namespace
 
 struct Recognizer::Impl {
@@ -279,12 +253,7 @@ Recognition Recognizer::recognize(const DepthImage& depth, const Intrinsics& cam
   StageTimes time(r.stages);
   const auto segments = time("segmentation", [&] { return segment(depth, camera, impl_->segmentation); });
   if (segments.empty()) {
-    r.reason = "nothing of a part's size stands out from the table or the background";
-    float farthest_mm = 0;
-    for (const float z : depth.z_mm) farthest_mm = std::max(farthest_mm, z);
-    constexpr float nearest_camera_mm = 20;
-    if (farthest_mm > 0 && farthest_mm < nearest_camera_mm)
-      r.reason += fmt::format("; its farthest point is {:.3g} mm away: is it in metres?", farthest_mm);
+    r.reason = why_nothing_stands_out(depth);
     return r;
   }
   std::vector<Impl::OfSegment> found;

@@ -5,6 +5,8 @@
 #include "partpose/geometry/kd_tree.hpp"
 #include "partpose/geometry/plane.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -331,6 +333,16 @@ std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px) 
 
 std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, const SegmentationOptions& options) {
   return Splitter(depth, camera, options).take();
+}
+
+std::string why_nothing_stands_out(const DepthImage& depth) {
+  std::string reason = "nothing of a part's size stands out from the table or the background";
+  float farthest_mm = 0;
+  for (const float z : depth.z_mm) farthest_mm = std::max(farthest_mm, z);
+  constexpr float nearest_camera_mm = 20;
+  if (farthest_mm > 0 && farthest_mm < nearest_camera_mm)
+    reason += fmt::format("; its farthest point is {:.3g} mm away: is it in metres?", farthest_mm);
+  return reason;
 }
 
 }  // namespace partpose

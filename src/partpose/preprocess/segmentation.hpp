@@ -5,6 +5,7 @@
 #include "partpose/core/depth_image.hpp"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace partpose {
@@ -40,5 +41,8 @@ std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px =
 /// jumps, and what is too large or too small for any part is dropped. Where the whole frame is no larger than a part,
 /// it is a segment too: the frame may show a part without a table. Largest first.
 std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, const SegmentationOptions& options);
+
+/// For people: nothing of a frame may be an object, perhaps since it is in metres.
+std::string why_nothing_stands_out(const DepthImage& depth);
 
 }  // namespace partpose
