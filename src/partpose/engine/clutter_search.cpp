@@ -386,11 +386,16 @@ class Separation {
                  window.stride * window.stride;
   }
 
+  /// What it stands on is asked when it is found.
+  double probability(const Trial& trial) const {
+    const Hypothesis& h = trial.hypothesis;
+    return probability_of_part(trial.comparison, {.noise = noise_at(h) / models_[h.part]->diameter_mm});
+  }
+
   /// Moves the part onto the pixels themselves, where that may help.
   void polish(Trial& trial, const FrameObject& rest) const {
     constexpr double hopeless = 0.001;
-    if (trial.comparison.explained < 0.2 * trial.comparison.model || probability_of_part(trial.comparison) < hopeless)
-      return;
+    if (trial.comparison.explained < 0.2 * trial.comparison.model || probability(trial) < hopeless) return;
     const PartModel& model = *models_[trial.hypothesis.part];
     PartWindow window = window_of(frame_, rest, model, trial.hypothesis.camera_from_model, wanted_pixels, outline_px);
     for (std::size_t p = 0; p < window.frame.label.size(); ++p)
@@ -407,7 +412,7 @@ class Separation {
     constexpr double least_score = 0.7, least_seen = 0.3, most_conflicts = 0.1, most_no_outline = 0.25;
     const DepthComparison& c = trial.comparison;
     return c.explained > least_seen * c.model && trial.conflicts < most_conflicts * c.model &&
-           trial.no_outline < most_no_outline * trial.outline && probability_of_part(c) > least_score;
+           trial.no_outline < most_no_outline * trial.outline && probability(trial) > least_score;
   }
 
   /// Gives what the part explains a label of its own.

@@ -231,7 +231,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
     return std::max(0.0f, 1 - t * t);
   };
 
-  constexpr float outline_weight = 0.25f, nothing_weight = 0.5f, hidden_weight = 0.15f;
+  constexpr float outline_weight = 0.25f, nothing_weight = 0.5f;
   const auto log_outline = static_cast<float>(std::log(0.5));
   const Outline outline(sensor);
   const std::vector<Beside> beside = beside_part(rendered, std::min(reach, Outline::most));
@@ -295,7 +295,6 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
           log_likelihood += log_outlier;
         } else {
           ++out.hidden;
-          judged += hidden_weight;
           log_likelihood += log_hidden;
         }
       } else if (object) {

@@ -56,7 +56,7 @@ struct DepthComparison {
   double log_likelihood = 0;       ///< sum over the pixels; 0: what a surface of unknown shape would have
   double best_log_likelihood = 0;  ///< of a rendering that meets every object pixel exactly
   double soft = 0;                 ///< sum of the agreement of both directions, each pixel 0 to 1
-  double judged = 0;               ///< the most that this could be
+  double judged = 0;               ///< the most that this could be; what is hidden is not judged
 
   double score() const { return judged > 0 ? soft / judged : 0; }  ///< 1: the two explain each other wholly
 };

@@ -167,6 +167,10 @@ struct Engine::Impl {
             .edge_mm = target.view.frame->edge_mm(z_mm),
             .size_mm = target.extent_mm};
   }
+  RelativeSizes sizes(const Target& target, const PartModel& model, const Eigen::Isometry3d& camera_from_model) const {
+    const double height_mm = height_above_table_mm(*target.view.frame, model, camera_from_model).value_or(0);
+    return {.noise = target.noise_mm / model.diameter_mm, .in_the_air = std::max(height_mm, 0.0) / model.diameter_mm};
+  }
   Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
   std::vector<Detection> detections(const std::vector<Target>& targets) const;
   int part_of(const Candidate& candidate) const { return catalogue.views[candidate.view_row].part; }
@@ -573,7 +577,8 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     target.candidates.push_back(candidate_of(hypotheses[i], static_cast<int>(i)));
     target.log_likelihoods.push_back(-hypotheses[i].cost);
   }
-  target.best_score = probability_of_part(compare(hypotheses[0]));
+  const Hypothesis& best = hypotheses[0];
+  target.best_score = probability_of_part(compare(best), sizes(target, *models[best.part], best.camera_from_model));
 }
 
 /// Those that a closer look may still put first.
@@ -625,7 +630,7 @@ void Engine::Impl::decide(Target& target) const {
     const PartModel& model = *models[part];
     const Eigen::Isometry3d& pose = candidates[i].camera_from_model;
     comparison[i] = compare(model.surface, pose, model.covered(target.fine.camera, pose), model.surface.faces);
-    candidates[i].score = static_cast<float>(probability_of_part(comparison[i]));
+    candidates[i].score = static_cast<float>(probability_of_part(comparison[i], sizes(target, model, pose)));
   });
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < contenders; ++i) order.emplace_back(-log_evidence(comparison[i]), i);

@@ -21,13 +21,15 @@ double share(int part, int whole) { return whole > 0 ? static_cast<double>(part)
 
 }  // namespace
 
-double probability_of_part(const DepthComparison& c) {
+double probability_of_part(const DepthComparison& c, const RelativeSizes& sizes) {
   if (c.explained == 0) return 0;
+  constexpr double highest = 0.3;
   const int visible = std::max(c.model - c.hidden, 1);
   const double gain = c.best_log_likelihood > 0 ? std::min(c.log_likelihood / c.best_log_likelihood, 1.0) : 0;
-  const double logit = 1.2 + 2.9 * gain - 20 * share(c.unexplained, c.object) -
-                       48 * share(c.free_space + c.below_table, visible) - 10 * share(c.nothing, visible) -
-                       5.1 * share(c.model_outline, visible);
+  const double logit = -17.8 + 1.4 * gain + 22.6 * c.score() - 14.3 * share(c.unexplained, c.object) -
+                       39.8 * share(c.free_space + c.below_table, visible) - 12.5 * share(c.nothing, visible) -
+                       10 * share(c.model_outline, visible) - 35.2 * sizes.noise -
+                       24.3 * std::clamp(sizes.in_the_air, 0.0, highest);
   return 1 / (1 + std::exp(-logit));
 }
 

@@ -10,9 +10,15 @@
 
 namespace partpose {
 
+/// Of a part at a pose, in its diameters.
+struct RelativeSizes {
+  double noise = 0;       ///< standard deviation of a depth
+  double in_the_air = 0;  ///< so high its lowest point lies above the table; 0: on it, or none is seen
+};
+
 /// Probability that the part is what is seen, about at this pose, by how the two explain each other alone. A logistic
 /// regression (Cox 1958); docs/engine.md says on which frames it was fitted.
-double probability_of_part(const DepthComparison& comparison);
+double probability_of_part(const DepthComparison& comparison, const RelativeSizes& sizes);
 
 /// By which poses of one object compete: the log-likelihood, and once more what deviates from the waves that are in all
 /// of them. Needs `local_deviations`.

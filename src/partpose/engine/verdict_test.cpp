@@ -11,31 +11,45 @@
 namespace partpose {
 namespace {
 
-DepthComparison good_comparison() {
+/// Of a part seen with 1000 pixels, of which the object has some that are not the part's, and the part some that are
+/// not the object's.
+DepthComparison comparison_of(int unexplained, int free_space) {
+  constexpr double agreement = 0.92;
   DepthComparison c;
-  c.model = c.object = c.explained = 1000;
+  c.model = c.object = 1000;
+  c.unexplained = unexplained;
+  c.free_space = free_space;
+  c.explained = 1000 - unexplained;
   c.local_deviations = 1000;
-  c.log_likelihood = 2800;
+  c.log_likelihood = 2.8 * c.explained;
   c.best_log_likelihood = 3500;
+  c.soft = 2 * agreement * c.explained;
+  c.judged = 2 * c.explained + unexplained + free_space;
   return c;
 }
+DepthComparison good_comparison() { return comparison_of(0, 0); }
+
+double probability(const DepthComparison& comparison) { return probability_of_part(comparison, {.noise = 0.01}); }
 
 TEST(Verdict, FallsWithWhatIsNotExplained) {
-  const double good = probability_of_part(good_comparison());
+  const double good = probability(good_comparison());
   EXPECT_GT(good, 0.9);
-  DepthComparison unexplained = good_comparison(), free_space = good_comparison();
-  unexplained.unexplained = 250;
-  free_space.free_space = 100;
-  EXPECT_LT(probability_of_part(unexplained), 0.2);
-  EXPECT_LT(probability_of_part(free_space), 0.3);
-  EXPECT_EQ(probability_of_part({}), 0);
+  EXPECT_LT(probability(comparison_of(250, 0)), 0.2);
+  EXPECT_LT(probability(comparison_of(0, 100)), 0.3);
+  EXPECT_EQ(probability({}), 0);
+}
+
+TEST(Verdict, NothingHangsInTheAirNorIsSeenThroughNoise) {
+  const DepthComparison c = good_comparison();
+  EXPECT_LT(probability_of_part(c, {.noise = 0.01, .in_the_air = 0.25}), 0.3);
+  EXPECT_LT(probability_of_part(c, {.noise = 0.1}), 0.8);
 }
 
 TEST(Verdict, WhatIsHiddenIsNotHeldAgainstAPart) {
   DepthComparison hidden = good_comparison();
   hidden.model = 1700;
   hidden.hidden = 700;
-  EXPECT_NEAR(probability_of_part(hidden), probability_of_part(good_comparison()), 1e-9);
+  EXPECT_NEAR(probability(hidden), probability(good_comparison()), 1e-9);
 }
 
 TEST(Verdict, SharesAddUpAndFavourTheLikelier) {
