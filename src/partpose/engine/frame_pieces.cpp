@@ -98,6 +98,12 @@ class RowHeights {
     for (int i = FlatSurface::degree - 1; i >= 0; --i) bent = bent * ray_x + bend_[i];
     return (1 - z_mm * (along_x_ * ray_x + along_rest_)) * per_norm_ - bent;
   }
+  /// Of several places, side by side.
+  void operator()(const float* ray_x, const float* z_mm, float* out, int count) const {
+    const RowHeights height = *this;  // which `out` is not a part of
+#pragma omp simd
+    for (int i = 0; i < count; ++i) out[i] = height(ray_x[i], z_mm[i]);
+  }
 
  private:
   float along_x_, along_rest_, per_norm_;
@@ -263,7 +269,7 @@ class Splitter {
     }
     if (most_votes < smallest_share * static_cast<double>(voters.size())) return std::nullopt;
 
-    const Cells some = every_nth(6000);
+    const Cells some = every_nth(2000);
     std::vector<Eigen::Vector3f> rays;
     std::vector<float> depths_mm;
     rays.reserve(some.size());
@@ -302,7 +308,7 @@ class Splitter {
     best.rms_mm = std::sqrt(squared / static_cast<float>(std::max(on_it, 1)));
     const auto at_mm = static_cast<float>(std::pow(fourth_powers / std::max(on_it, 1), 0.25));
     if (!is_too_large(every_nth(2000))) return CutPlane{best, std::clamp(3 * best.rms_mm, 1.5f, threshold), at_mm};
-    bend(best, every_nth(2500), threshold);
+    bend(best, every_nth(1500), threshold);
     // Cut by the noise that the plane shows, so that the feet of flat parts stay.
     return CutPlane{best, std::clamp(2.7f * best.rms_mm, 1.5f, threshold), at_mm};
   }
@@ -337,7 +343,9 @@ class Splitter {
       for (const Row& row : rows) {
         Lanes bent{}, weight;
         for (int k = 0; k < terms; ++k)
+#pragma omp simd
           for (int i = 0; i < lanes; ++i) bent.value[i] += row[k].value[i] * solution[k];
+#pragma omp simd
         for (int i = 0; i < lanes; ++i) {
           const float share = (row[terms].value[i] - bent.value[i]) / scale;
           const float inside = std::max(1 - share * share, 0.0f);
@@ -363,14 +371,24 @@ class Splitter {
     plane.rms_mm *= 1.15f;
   }
 
-  std::vector<float> heights_mm(const CutPlane& cut, const Cells& cells) const {
-    std::vector<float> out(cells.size());
+  /// Calls `take(cell, height_mm)` for each of the cells.
+  template <typename Take>
+  void for_heights(const CutPlane& cut, const Cells& cells, const Take& take) const {
+    std::vector<float> of_row(grid_.width);
     for (std::size_t i = 0; i < cells.size();) {
-      const int row = cells[i] / grid_.width, first = row * grid_.width;
-      const RowHeights height(cut.plane, grid_.ray_y[row]);
-      for (; i < cells.size() && cells[i] < first + grid_.width; ++i)
-        out[i] = height(grid_.ray_x[cells[i] - first], grid_.z_mm[cells[i]]);
+      const int row = cells[i] / grid_.width, first = row * grid_.width, next = first + grid_.width;
+      const std::size_t end = std::lower_bound(cells.begin() + i, cells.end(), next) - cells.begin();
+      // Of all cells from the row's first to its last, side by side: mostly these are all.
+      const int from = cells[i] - first, count = cells[end - 1] - cells[i] + 1;
+      RowHeights(cut.plane, grid_.ray_y[row])(&grid_.ray_x[from], &grid_.z_mm[cells[i]], &of_row[from], count);
+      for (; i < end; ++i) take(cells[i], of_row[cells[i] - first]);
     }
+  }
+
+  std::vector<float> heights_mm(const CutPlane& cut, const Cells& cells) const {
+    std::vector<float> out;
+    out.reserve(cells.size());
+    for_heights(cut, cells, [&](int, float height) { out.push_back(height); });
     return out;
   }
 
@@ -378,23 +396,22 @@ class Splitter {
   /// of the part lies behind it.
   bool stands_on_table(const Cells& cells) const {
     int before = 0, behind = 0;
-    for (const float height : heights_mm(*table, cells)) {
+    for_heights(*table, cells, [&](int, float height) {
       before += height > table->cut_mm;
       behind += height < -table->cut_mm;
-    }
+    });
     return before > 3 * behind;
   }
 
   /// The plane is the table, the wall or the floor. What is left falls into pieces; those too large to be a part have a
   /// plane of their own taken away.
   void remove_plane_and_split(const Cells& cells, const CutPlane& plane, int level) {
-    const std::vector<float> height = heights_mm(plane, cells);
     Cells remaining, high;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (!(std::abs(height[i]) > plane.cut_mm)) continue;
-      remaining.push_back(cells[i]);
-      if (level == 0 && std::abs(height[i]) > stands_out_cuts * plane.cut_mm) high.push_back(cells[i]);
-    }
+    for_heights(plane, cells, [&](int cell, float height) {
+      if (!(std::abs(height) > plane.cut_mm)) return;
+      remaining.push_back(cell);
+      if (level == 0 && std::abs(height) > stands_out_cuts * plane.cut_mm) high.push_back(cell);
+    });
     const std::size_t on_it = cells.size() - remaining.size();
     if (level == 0) keep_near(remaining, high);
     // Taken away wherever it shows, also through a part's holes.
@@ -402,8 +419,9 @@ class Splitter {
     if (level == 0 && static_cast<double>(on_it) > 0.6 * static_cast<double>(cells.size())) return;
     // A lesser plane may hold a part's face by chance: once more, and only what is larger than a part is taken away.
     Cells on_plane;
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      if (!(std::abs(height[i]) > plane.cut_mm)) on_plane.push_back(cells[i]);
+    for_heights(plane, cells, [&](int cell, float height) {
+      if (!(std::abs(height) > plane.cut_mm)) on_plane.push_back(cell);
+    });
     const std::size_t without_patches = remaining.size();
     for (const auto& patch : connected(on_plane))
       if (!is_too_large(patch)) remaining.insert(remaining.end(), patch.begin(), patch.end());
