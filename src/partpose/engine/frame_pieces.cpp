@@ -681,6 +681,15 @@ std::array<float, FlatSurface::degree + 1> FlatSurface::bend_along_x(float ray_y
   return out;
 }
 
+float FlatSurface::most_bend_mm(const Intrinsics& camera) const {
+  const double x = std::max(camera.cx, camera.width - camera.cx) / camera.fx;
+  const double y = std::max(camera.cy, camera.height - camera.cy) / camera.fy;
+  const auto power = powers({static_cast<float>(x), static_cast<float>(y), 1});
+  float sum = 0;
+  for (int k = 0; k < terms; ++k) sum += std::abs(bend_mm[k]) * power[k];
+  return sum;
+}
+
 float FlatSurface::height_mm(const Eigen::Vector3f& ray, float z_mm) const {
   return RowHeights(*this, ray.y())(ray.x(), z_mm);
 }

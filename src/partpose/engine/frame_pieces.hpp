@@ -44,6 +44,8 @@ struct FlatSurface {
 
   /// The polynomial at one y, by its powers of x.
   std::array<float, degree + 1> bend_along_x(float ray_y) const;
+  /// No less than its bend anywhere in the camera's image.
+  float most_bend_mm(const Intrinsics& camera) const;
   /// How far a point lies on the camera's side; `ray` is the point over its z.
   float height_mm(const Eigen::Vector3f& ray, float z_mm) const;
 };
