@@ -58,7 +58,8 @@ TurnedWindow turned_window(const FramePieces& frame, const FrameObject& rest, co
     }
   TurnedWindow out;
   out.centre_mm = centre_mm;
-  for (int k = 0; k < rolls; ++k) {
+  constexpr int quarter = rolls / 4;
+  for (int k = 0; k < quarter; ++k) {
     const double roll_rad = 2 * std::numbers::pi * k / rolls;
     DepthTemplate cells = make_template(relative, roll_rad, step / px_per_mm, scale);
     const Eigen::Matrix3d camera_from_cells =
@@ -74,6 +75,7 @@ TurnedWindow turned_window(const FramePieces& frame, const FrameObject& rest, co
     }
     out.cells[k] = halved(cells);
   }
+  for (int k = quarter; k < rolls; ++k) out.cells[k] = quarter_turned(out.cells[k - quarter]);
   return out;
 }
 

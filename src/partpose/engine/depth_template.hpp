@@ -40,6 +40,15 @@ TemplateScale template_scale(double diameter_mm);
 DepthTemplate make_template(std::span<const Eigen::Vector3f> points_mm, double roll_rad, double point_spacing_mm,
                             const TemplateScale& scale);
 
+/// The same turned by 90 degrees more about the line of sight.
+template <int side>
+CellDepths<side> quarter_turned(const CellDepths<side>& cells) {
+  CellDepths<side> out;
+  for (int v = 0; v < side; ++v)
+    for (int u = 0; u < side; ++u) out.cell[u * side + side - 1 - v] = cells.cell[v * side + u];
+  return out;
+}
+
 /// A cell is the mean of the four that it covers; background where most of them are, unknown where half of them are.
 SmallTemplate halved(const DepthTemplate& full);
 

@@ -51,6 +51,7 @@ TEST(DepthTemplate, AQuarterTurnMovesTheCells) {
     for (int u = 0; u < 16; ++u)  // (x, y) goes to (-y, x)
       equal += std::abs(int{straight.cell[v * 16 + u]} - int{turned.cell[u * 16 + (15 - v)]}) <= 1;
   EXPECT_GE(equal, 250);
+  EXPECT_EQ(quarter_turned(straight).cell, turned.cell);
   EXPECT_GT(capped_difference(straight, turned, scale.cap), 30 * scale.cap);
 }
 

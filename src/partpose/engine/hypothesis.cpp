@@ -93,7 +93,8 @@ TurnedTemplates turned_templates(const ObjectView& view, const Eigen::Vector3d& 
   const double spacing_mm = view.points.block_px * centre_mm.norm() / view.frame->camera.fx;
   TurnedTemplates out;
   out.centre_mm = centre_mm;
-  for (int k = 0; k < rolls; ++k) {
+  constexpr int quarter = rolls / 4;
+  for (int k = 0; k < quarter; ++k) {
     const double roll_rad = 2 * std::numbers::pi * k / rolls;
     DepthTemplate cells = make_template(relative, roll_rad, spacing_mm, scale);
     if (with_unknown) {
@@ -102,6 +103,10 @@ TurnedTemplates turned_templates(const ObjectView& view, const Eigen::Vector3d& 
     }
     out.full.push_back(cells);
     out.small.push_back(halved(cells));
+  }
+  for (int k = quarter; k < rolls; ++k) {
+    out.full.push_back(quarter_turned(out.full[k - quarter]));
+    out.small.push_back(quarter_turned(out.small[k - quarter]));
   }
   const double reach_mm = DepthTemplate::side / 2 * scale.cell_mm;
   for (const auto& p : relative)
