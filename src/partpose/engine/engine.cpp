@@ -423,6 +423,8 @@ bool Engine::Impl::is_worth_a_search(const Target& target) const {
   // Not what is less than a part shows when three quarters of it are hidden.
   constexpr double least_share = 0.25;
   const double px_per_mm = target.view.frame->camera.fx / target.view.all.centre_mm().z();
+  // Nor what is hardly higher than the table, and where all parts that are like it sink into that.
+  if (target.candidates.empty() && lies_low(target.view)) return false;
   return target.is_weak() && target.view.object->pixels >= least_share * smallest_view_mm2 * px_per_mm * px_per_mm;
 }
 

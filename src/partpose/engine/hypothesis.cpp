@@ -19,6 +19,8 @@ namespace partpose {
 
 namespace {
 
+constexpr double table_off_mm = 8;  ///< of a camera that bends it where a part hides it
+
 std::vector<Eigen::Vector3f> spread(const std::vector<Eigen::Vector3f>& points, int count) {
   if (static_cast<int>(points.size()) <= count) return points;
   std::vector<Eigen::Vector3f> out;
@@ -237,9 +239,18 @@ bool touches(const PartModel& a, const Eigen::Isometry3d& camera_from_a, const P
 
 bool sinks_into_table(const FramePieces& frame, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
                       double tolerance_mm) {
-  constexpr double table_off_mm = 8;  // of a camera that bends it where a part hides it
   const auto height_mm = height_above_table_mm(frame, model, camera_from_model);
   return height_mm && *height_mm < -std::max(tolerance_mm, table_off_mm);
+}
+
+bool lies_low(const ObjectView& view) {
+  constexpr double most_high = 0.1;  // of the points
+  const auto& points = view.points.points_mm;
+  if (!view.frame->table) return false;
+  const auto high = std::count_if(points.begin(), points.end(), [&](const Eigen::Vector3f& p) {
+    return view.frame->table->height_mm(p / p.z(), p.z()) > table_off_mm;
+  });
+  return static_cast<double>(high) < most_high * static_cast<double>(points.size());
 }
 
 bool is_partly_hidden(const ObjectView& view) { return hidden_side(view).has_value(); }

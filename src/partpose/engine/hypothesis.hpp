@@ -61,6 +61,9 @@ bool touches(const PartModel& a, const Eigen::Isometry3d& camera_from_a, const P
 bool sinks_into_table(const FramePieces& frame, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
                       double tolerance_mm);
 
+/// Whether hardly any of the object's points are higher than what a camera may make of the table.
+bool lies_low(const ObjectView& view);
+
 /// Whether something nearer hides a part of the object.
 bool is_partly_hidden(const ObjectView& view);
 
