@@ -98,6 +98,36 @@ void keep_best(std::vector<Look>& looks, std::size_t count) {
   looks.resize(count);
 }
 
+/// The best `per_part` of each part, and of what is left the best, up to `count`: lest what shows much of a large part
+/// crowds out what shows little of a small one. Changes the order of `of_part`.
+std::vector<Look> best_of_each_part(std::vector<std::vector<Look>>& of_part, std::size_t per_part, std::size_t count) {
+  std::vector<Look> kept, others;
+  for (auto& looks : of_part) {
+    std::sort(looks.begin(), looks.end());
+    const auto first_other = looks.begin() + static_cast<std::ptrdiff_t>(std::min(per_part, looks.size()));
+    kept.insert(kept.end(), looks.begin(), first_other);
+    others.insert(others.end(), first_other, looks.end());
+  }
+  keep_best(others, count > kept.size() ? count - kept.size() : 0);
+  kept.insert(kept.end(), others.begin(), others.end());
+  return kept;
+}
+
+Hypothesis start_of(const Look& look, const PartModel& model, const Eigen::Vector3d& centre_mm) {
+  const AnchoredViews::Anchor& anchor = model.anchored.anchors[look.anchor];
+  const Eigen::AngleAxisd roll_back(-2 * std::numbers::pi * look.roll / rolls, Eigen::Vector3d::UnitZ());
+  Eigen::Isometry3d camera_from_sight = Eigen::Isometry3d::Identity();
+  camera_from_sight.linear() = sight_frame(centre_mm).transpose() * roll_back.toRotationMatrix();
+  camera_from_sight.translation() = centre_mm;
+  Hypothesis h;
+  h.part = look.part;
+  h.view = anchor.view;
+  h.seed = look.seed;
+  h.cost = -look.mm2;
+  h.start = h.camera_from_model = camera_from_sight * anchor.sight_from_model.cast<double>();
+  return h;
+}
+
 /// Mm2 of `rest` that what the view shows of the part explains, less where the part cannot be.
 double explained_mm2(const Hypothesis& h, const PartModel& model, const FramePieces& frame, const FrameObject& rest,
                      float tolerance_mm) {
@@ -540,9 +570,14 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
     });
   }
 
-  constexpr std::size_t kept_per_part_and_seed = 12, kept_per_seed = 40;
+  constexpr std::size_t kept_per_seed = 40, of_all_parts = 72, most_per_part = 12, least_per_part = 2;
+  const auto parts =
+      static_cast<std::size_t>(std::count_if(models.begin(), models.end(), [](const auto* m) { return m; }));
+  const std::size_t kept_per_part =
+      std::clamp(of_all_parts / std::max<std::size_t>(parts, 1), least_per_part, most_per_part);
   std::vector<std::vector<Look>> of_seed(seeds.size());
   parallel_for(seeds.size(), [&](std::size_t s) {
+    std::vector<std::vector<Look>> of_part;
     for (std::size_t part = 0; part < models.size(); ++part) {
       if (!models[part]) continue;
       const PartModel& model = *models[part];
@@ -558,34 +593,22 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
             looks.push_back({mm2_per_step * static_cast<float>(steps[k]), static_cast<std::int32_t>(part),
                              static_cast<std::int32_t>(a), static_cast<std::int16_t>(s), static_cast<std::int8_t>(k)});
         // What is worse than the best so far need not be kept.
-        if (looks.size() < 20 * kept_per_part_and_seed) continue;
-        keep_best(looks, kept_per_part_and_seed);
+        if (looks.size() < 20 * most_per_part) continue;
+        keep_best(looks, most_per_part);
         const auto worst = std::max_element(looks.begin(), looks.end());
         least = static_cast<int>(worst->mm2 / mm2_per_step);
       }
-      keep_best(looks, kept_per_part_and_seed);
-      of_seed[s].insert(of_seed[s].end(), looks.begin(), looks.end());
+      keep_best(looks, most_per_part);
+      of_part.push_back(std::move(looks));
     }
-    keep_best(of_seed[s], kept_per_seed);
+    of_seed[s] = best_of_each_part(of_part, kept_per_part, kept_per_seed);
   });
 
   std::vector<Hypothesis> hypotheses;
   for (const auto& looks : of_seed)
     for (const Look& look : looks) {
       const PartModel& model = *models[look.part];
-      const AnchoredViews::Anchor& anchor = model.anchored.anchors[look.anchor];
-      const Eigen::Vector3d& centre = windows.at(model.scale.cell_mm)[look.seed].centre_mm;
-      const Eigen::AngleAxisd roll_back(-2 * std::numbers::pi * look.roll / rolls, Eigen::Vector3d::UnitZ());
-      Eigen::Isometry3d camera_from_sight = Eigen::Isometry3d::Identity();
-      camera_from_sight.linear() = sight_frame(centre).transpose() * roll_back.toRotationMatrix();
-      camera_from_sight.translation() = centre;
-      Hypothesis h;
-      h.part = look.part;
-      h.view = anchor.view;
-      h.seed = look.seed;
-      h.cost = -look.mm2;
-      h.start = h.camera_from_model = camera_from_sight * anchor.sight_from_model.cast<double>();
-      hypotheses.push_back(h);
+      hypotheses.push_back(start_of(look, model, windows.at(model.scale.cell_mm)[look.seed].centre_mm));
     }
   // No part reaches into the table; where a pose is still rough, it may seem to.
   const auto drop_sunk = [&](double share) {
