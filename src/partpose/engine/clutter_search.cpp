@@ -301,8 +301,9 @@ class Separation {
     constexpr int most_rounds = 6;
     for (int k = 0; k < most_rounds && next_label_ < last_label && round(); ++k) {
     }
+    const std::vector<bool> doubtful = which_are_doubtful();
     share_rest();
-    drop_doubtful();
+    drop(doubtful);
   }
 
   std::vector<SeparatedPart> parts;
@@ -310,11 +311,14 @@ class Separation {
  private:
   struct Trial {
     Hypothesis hypothesis;
-    DepthComparison comparison;  ///< with what is left about it
-    int conflicts = 0;           ///< pixels where it lies on what another part explains
-    int outline = 0;             ///< measured pixels just outside its outline
-    int no_outline = 0;          ///< of them: where the surface just goes on
-    double gain = 0;             ///< of log-likelihood, over leaving its pixels unexplained
+    DepthComparison comparison;   ///< with what is left about it
+    bool may_be_covered = false;  ///< whether what is before it counts as hiding it
+    int covered = 0;              ///< pixels of what is left that lie before it
+    int conflicts = 0;            ///< pixels where it lies on what another part explains
+    int outline = 0;              ///< measured pixels just outside its outline
+    int no_outline = 0;           ///< of them: where the surface just goes on
+    int goes_on = 0;              ///< of them: into what is not explained
+    double gain = 0;              ///< of log-likelihood, over leaving its pixels unexplained
   };
 
   static constexpr int last_label = 250;
@@ -338,6 +342,20 @@ class Separation {
       trials[i].hypothesis = hypotheses[i];
       compare(trials[i], rest);
     });
+    if (accept(trials, rest)) return true;
+    // What lies before a part and is not explained may be another one that hides it. So it may before a wrong pose
+    // beneath the surface: only where nothing else is left to be found.
+    constexpr double least_covered = 0.02;
+    std::erase_if(trials, [](const Trial& trial) { return trial.covered < least_covered * trial.comparison.object; });
+    parallel_for(trials.size(), [&](std::size_t i) {
+      trials[i].may_be_covered = true;
+      compare(trials[i], rest);
+    });
+    return accept(std::move(trials), rest);
+  }
+
+  /// Takes away one after the other those that are good, those that explain most first. Whether there are any.
+  bool accept(std::vector<Trial> trials, const FrameObject& rest) {
     bool found = false;
     while (!trials.empty() && next_label_ < last_label) {
       std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.gain > b.gain; });
@@ -357,7 +375,6 @@ class Separation {
           part.hypotheses.push_back(other.hypothesis);
       }
       claim(best.hypothesis);
-      no_outline_.push_back(best.no_outline / std::max(1.0, static_cast<double>(best.outline)));
       parts.push_back(std::move(part));
       // Those that may share pixels with it.
       const double reach_mm = models_[best.hypothesis.part]->diameter_mm;
@@ -387,11 +404,16 @@ class Separation {
     const int ring = (ring_px + window.stride - 1) / window.stride;
     const DepthImage rendered = render(model.outline, pose, window.frame.camera).depth;
     const Beyond beyond = beyond_outline(rendered, beyond_px, window.stride);
-    trial.conflicts = trial.outline = trial.no_outline = 0;
+    trial.conflicts = trial.outline = trial.no_outline = trial.goes_on = trial.covered = 0;
     for (int v = 0; v < rendered.height; ++v)
       for (int u = 0; u < rendered.width; ++u) {
         const std::size_t p = static_cast<std::size_t>(v) * rendered.width + u;
         PixelLabel& label = window.frame.label[p];
+        if (rendered.z_mm[p] > 0 && label == PixelLabel::object &&
+            rendered.z_mm[p] - window.frame.depth.z_mm[p] > 4 * noise_at(trial.hypothesis)) {
+          ++trial.covered;
+          if (trial.may_be_covered) label = PixelLabel::background;
+        }
         if (rendered.z_mm[p] > 0 && is_piece(window, p))
           trial.conflicts += std::abs(rendered.z_mm[p] - window.frame.depth.z_mm[p]) < 4 * noise_at(trial.hypothesis);
         const bool is_ring = beyond.step[p] > reach && beyond.step[p] <= reach + ring;
@@ -399,6 +421,7 @@ class Separation {
         const bool goes_on = beyond.depth.z_mm[p] > 0 && std::abs(beyond.depth.z_mm[p] - window.frame.depth.z_mm[p]) <
                                                              3 * noise_at(trial.hypothesis);
         trial.no_outline += is_ring && goes_on && (label == PixelLabel::object || is_piece(window, p));
+        trial.goes_on += is_ring && goes_on && label == PixelLabel::object;
         if (label != PixelLabel::object || goes_on) continue;
         bool near = false;
         for (int vv = std::max(v - reach, 0); vv <= std::min(v + reach, rendered.height - 1) && !near; ++vv)
@@ -477,6 +500,7 @@ class Separation {
     const int piece = static_cast<int>(std::max_element(from.begin(), from.end()) - from.begin());
     explained_[piece] += from[piece];
     piece_.push_back(piece);
+    claimed_.push_back(from[piece]);
   }
 
   double tolerance_mm(const Hypothesis& h) const { return touch_tolerance_mm(*models_[h.part], noise_at(h)); }
@@ -518,21 +542,53 @@ class Separation {
     }
   }
 
-  /// A piece of which the parts leave much is something else, with faces like theirs; so is one with a single part
-  /// whose outline is not seen all around. More is asked of what is no larger than a part: it may be one that is not
-  /// known.
-  void drop_doubtful() {
+  /// Of each part whether to drop it. What a part that is dropped explains is unexplained again, which may make another
+  /// doubtful.
+  std::vector<bool> which_are_doubtful() const {
     std::bitset<256> large;
     for (const auto& object : frame_.objects)
       if (object.larger_than_a_part) large |= object.labels;
+    FrameObject rest;
+    rest.labels = labels_;
+    std::array<int, 256> explained = explained_, count{};
+    for (const int piece : piece_) ++count[piece];
+    std::vector<bool> doubtful(parts.size(), false);
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        const int piece = piece_[i];
+        if (doubtful[i] ||
+            !is_doubtful(parts[i].hypotheses[0], rest, static_cast<double>(explained[piece]) / pixels_[piece],
+                         large.test(piece), count[piece] == 1))
+          continue;
+        doubtful[i] = changed = true;
+        rest.labels.set(first_label_ + i);
+        explained[piece] -= claimed_[i];
+        --count[piece];
+      }
+    }
+    return doubtful;
+  }
+
+  /// A piece of which the parts leave much is something else, with faces like theirs; so is one with a part that just
+  /// goes on beyond its outline, or that lies beneath what nothing explains. More is asked of a single part, and of
+  /// what is no larger than a part: it may be one that is not known. `explained`: the share of the piece.
+  bool is_doubtful(const Hypothesis& h, const FrameObject& rest, double explained, bool is_large, bool single) const {
+    Trial now;
+    now.hypothesis = h;
+    compare(now, rest);
+    const double least_explained = is_large ? 0.35 : 0.45;
+    const double most_going_on = !is_large ? single ? 0.1 : 0.2 : single ? 0.2 : 1;
+    const double most_covered = is_large ? 1 : single ? 0.05 : 0.15;
+    const auto share = [](int part, int whole) { return part / std::max(1.0, static_cast<double>(whole)); };
+    return explained < least_explained || share(now.goes_on, now.outline) > most_going_on ||
+           share(now.covered, now.comparison.model) > most_covered;
+  }
+
+  void drop(const std::vector<bool>& doubtful) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const int piece = piece_[i];
-      const bool is_large = large.test(piece);
-      const bool single = std::count(piece_.begin(), piece_.end(), piece) == 1;
-      const double least_share = is_large ? 0.35 : 0.45;
-      const double most_no_outline = !is_large ? single ? 0.1 : 0.2 : single ? 0.2 : 1;
-      if (explained_[piece] < least_share * pixels_[piece] || no_outline_[i] > most_no_outline) continue;
+      if (doubtful[i]) continue;
       if (kept != i) parts[kept] = std::move(parts[i]);
       ++kept;
     }
@@ -545,7 +601,7 @@ class Separation {
   int first_label_ = 0, next_label_ = FramePieces::first_piece;
   std::array<int, 256> pixels_{}, explained_{};  ///< by the label of a piece
   std::vector<int> piece_;                       ///< of each part: the label that most of its pixels had
-  std::vector<double> no_outline_;               ///< of each part: the share of its outline where the surface goes on
+  std::vector<int> claimed_;                     ///< of each part: so many
   double noise_per_mm2_ = 1e-6, largest_mm_ = 0, smallest_mm_ = 1e9;
 };
 

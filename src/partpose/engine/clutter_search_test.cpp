@@ -94,6 +94,23 @@ TEST_F(ClutterSearchTest, FindsEachOfThreePartsThatTouch) {
   EXPECT_EQ(r.detections.size(), 3u);
 }
 
+TEST_F(ClutterSearchTest, FindsAPartBeneathSomethingUnknownThatTouchesIt) {
+  Random random(11);
+  const TriangleMesh bracket = shapes::l_bracket();
+  const Eigen::Isometry3d first = bracket_at(bracket, -60, 0, 0);
+  const Eigen::Isometry3d second = bracket_at(bracket, -60 + bounding_box(bracket).sizes().x() + 0.3, 12, 0);
+  const Eigen::Vector3d low = first * bounding_box(bracket).min();
+  const auto x = static_cast<float>(low.x()), y = static_cast<float>(low.y());
+  const auto top = static_cast<float>((first * bounding_box(bracket).max()).z());
+  TriangleMesh scene = shapes::joined(table, shapes::moved(bracket, first));
+  scene = shapes::joined(scene, shapes::moved(bracket, second));
+  // A bar lies across the end of one of them.
+  scene = shapes::joined(scene, shapes::box({x - 8, y - 10, top}, {x + 8, y + 50, top + 14}));
+  const Recognition r = engine->recognize(measured(scene, random), camera);
+  EXPECT_NE(found_near(r, 0, bracket, first), nullptr);
+  EXPECT_NE(found_near(r, 0, bracket, second), nullptr);
+}
+
 TEST_F(ClutterSearchTest, FindsAPartOfWhichAPlateHidesMuch) {
   Random random(7);
   const TriangleMesh bracket = shapes::l_bracket();

@@ -231,6 +231,13 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
     return std::max(0.0f, 1 - t * t);
   };
 
+  // Something before the part, and not the table.
+  const auto edge_mm = static_cast<float>(sensor.edge_mm);
+  const auto hides = [&](float model_z, std::size_t p) {
+    return frame_.depth.z_mm[p] < model_z - edge_mm &&
+           (frame_.before_table_mm.empty() || std::abs(frame_.before_table_mm[p]) >= 4 * noise_mm);
+  };
+
   constexpr float outline_weight = 0.25f, nothing_weight = 0.5f;
   const auto log_outline = static_cast<float>(std::log(0.5));
   const Outline outline(sensor);
@@ -274,7 +281,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
           soft += 0.7f * agreement(0.5f * std::abs(model_z - measured_z));
           judged += 1;
           log_likelihood += std::clamp(gain, log_outlier, 3.0f);
-        } else if (std::isfinite(near)) {
+        } else if (std::isfinite(near) && !(measured && hides(model_z, p))) {
           ++out.model_outline;
           out.explained += near < 3 * noise_mm;
           soft += outline_weight * agreement(near);

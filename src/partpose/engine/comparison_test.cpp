@@ -135,6 +135,21 @@ TEST(PaddedDepth, FindsTheNearestDepthWithinReach) {
   }
 }
 
+TEST_F(Comparison, WhatIsBeforeThePartBesideItHidesIt) {
+  // A plate 50 mm before the part covers its right third.
+  int covered = 0;
+  for (int v = 0; v < frame.depth.height; ++v)
+    for (int u = 70; u < frame.depth.width; ++u) {
+      const std::size_t p = static_cast<std::size_t>(v) * frame.depth.width + u;
+      covered += frame.label[p] == PixelLabel::object;
+      frame.depth.z_mm[p] = 440;
+      frame.label[p] = PixelLabel::background;
+    }
+  const DepthComparison c = compare_depth(mesh, pose, frame, {.noise_mm = 0.5, .outline_px = 3, .growth_px = 3});
+  EXPECT_EQ(c.hidden, covered);
+  EXPECT_EQ(c.model_outline, 0);
+}
+
 TEST_F(Comparison, HolesCostLessThanFreeSpace) {
   const double before = at(12, 0).score();
   for (std::size_t p = 0; p < frame.label.size(); ++p)
