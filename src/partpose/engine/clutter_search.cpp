@@ -336,7 +336,7 @@ class Separation {
     // About four places on each part, if all are as small as the smallest.
     constexpr double share_of_place = 0.07;  // of the square of the diameter
     const int places = std::clamp(static_cast<int>(rest.pixels / (share_of_place * smallest_px * smallest_px)), 8, 32);
-    auto hypotheses = anchored_hypotheses(models_, frame_, rest, places);
+    auto hypotheses = anchored_hypotheses(models_, frame_, rest, {.most_seeds = places, .every_part = true});
     std::vector<Trial> trials(hypotheses.size());
     parallel_for(trials.size(), [&](std::size_t i) {
       trials[i].hypothesis = hypotheses[i];
@@ -464,7 +464,7 @@ class Separation {
   }
 
   bool is_good(const Trial& trial) const {
-    constexpr double least_score = 0.7, least_seen = 0.3, most_conflicts = 0.1, most_no_outline = 0.25;
+    constexpr double least_score = 0.5, least_seen = 0.3, most_conflicts = 0.1, most_no_outline = 0.25;
     const DepthComparison& c = trial.comparison;
     return c.explained > least_seen * c.model && trial.conflicts < most_conflicts * c.model &&
            trial.no_outline < most_no_outline * trial.outline && probability(trial) > least_score;
@@ -577,7 +577,7 @@ class Separation {
     Trial now;
     now.hypothesis = h;
     compare(now, rest);
-    const double least_explained = is_large ? 0.35 : 0.45;
+    const double least_explained = is_large ? 0.35 : single ? 0.65 : 0.45;
     const double most_going_on = !is_large ? single ? 0.1 : 0.2 : single ? 0.2 : 1;
     const double most_covered = is_large ? 1 : single ? 0.05 : 0.15;
     const auto share = [](int part, int whole) { return part / std::max(1.0, static_cast<double>(whole)); };
@@ -608,12 +608,12 @@ class Separation {
 }  // namespace
 
 std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> models, const FramePieces& frame,
-                                            const FrameObject& rest, int most_seeds) {
+                                            const FrameObject& rest, const AnchoredSearch& search) {
   constexpr int wanted_points = 1500;
   const ObjectView view(frame, rest);
   const std::vector<Eigen::Vector3f> points = object_points(frame, rest, wanted_points).points_mm;
   if (points.size() < 20) return {};
-  const std::vector<int> seeds = spread_places(points, most_seeds);
+  const std::vector<int> seeds = spread_places(points, search.most_seeds);
 
   std::map<double, std::vector<TurnedWindow>> windows;  // by the cells' size
   for (const PartModel* model : models) {
@@ -630,7 +630,7 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
   const auto parts =
       static_cast<std::size_t>(std::count_if(models.begin(), models.end(), [](const auto* m) { return m; }));
   const std::size_t kept_per_part =
-      std::clamp(of_all_parts / std::max<std::size_t>(parts, 1), least_per_part, most_per_part);
+      search.every_part ? std::clamp(of_all_parts / std::max<std::size_t>(parts, 1), least_per_part, most_per_part) : 0;
   std::vector<std::vector<Look>> of_seed(seeds.size());
   parallel_for(seeds.size(), [&](std::size_t s) {
     std::vector<std::vector<Look>> of_part;

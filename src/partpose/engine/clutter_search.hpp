@@ -24,9 +24,14 @@ struct SeparatedPart {
 std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,
                                     const std::bitset<256>& unexplained);
 
+struct AnchoredSearch {
+  int most_seeds = 8;       ///< places on the surface
+  bool every_part = false;  ///< every part keeps its best at each place, however much others explain there
+};
+
 /// Parts at poses about places on the surface of `rest`, refined; best first, their cost is minus the mm2 of `rest`
 /// that they explain, less what speaks against them. Null models are left out.
 std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> models, const FramePieces& frame,
-                                            const FrameObject& rest, int most_seeds);
+                                            const FrameObject& rest, const AnchoredSearch& search = {});
 
 }  // namespace partpose

@@ -156,7 +156,7 @@ TEST(AnchoredHypotheses, TheTruePoseIsAmongTheFirst) {
       }
     rest.labels.set(200);
     rest.u1 = depth.width - 1, rest.v1 = depth.height - 1;
-    const auto hypotheses = anchored_hypotheses(models, frame, rest, 8);
+    const auto hypotheses = anchored_hypotheses(models, frame, rest);
     for (std::size_t i = 0; i < std::min<std::size_t>(hypotheses.size(), 10); ++i) {
       const Eigen::Isometry3d off = truth.inverse() * hypotheses[i].camera_from_model;
       double farthest = 0;

@@ -344,7 +344,7 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
     if (!is_worth_a_search(target) || may_be_one_part || (object.labels & labels.well).any()) continue;
     if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
     auto hypotheses =
-        time("anchored", [&] { return anchored_hypotheses(models_to_search(target.heard), frame, object, 8); });
+        time("anchored", [&] { return anchored_hypotheses(models_to_search(target.heard), frame, object); });
     time("verify", [&] { verify(target, std::move(hypotheses)); });
     target.polished = false;  // with the shadows it may look different
     reconsider(target, time);
