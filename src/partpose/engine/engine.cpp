@@ -168,8 +168,10 @@ struct Engine::Impl {
             .size_mm = target.extent_mm};
   }
   RelativeSizes sizes(const Target& target, const PartModel& model, const Eigen::Isometry3d& camera_from_model) const {
+    constexpr double on_something_else = 2;  // in diameters: so high it stands on another thing than the table seen
     const double height_mm = height_above_table_mm(*target.view.frame, model, camera_from_model).value_or(0);
-    return {.noise = target.noise_mm / model.diameter_mm, .in_the_air = std::max(height_mm, 0.0) / model.diameter_mm};
+    const double height = std::max(height_mm, 0.0) / model.diameter_mm;
+    return {.noise = target.noise_mm / model.diameter_mm, .in_the_air = height < on_something_else ? height : 0};
   }
   Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
   std::vector<Detection> detections(const std::vector<Target>& targets) const;

@@ -269,7 +269,7 @@ class Splitter {
     }
     if (most_votes < smallest_share * static_cast<double>(voters.size())) return std::nullopt;
 
-    const Cells some = every_nth(2000);
+    const Cells some = every_nth(6000);
     std::vector<Eigen::Vector3f> rays;
     std::vector<float> depths_mm;
     rays.reserve(some.size());
@@ -308,7 +308,7 @@ class Splitter {
     best.rms_mm = std::sqrt(squared / static_cast<float>(std::max(on_it, 1)));
     const auto at_mm = static_cast<float>(std::pow(fourth_powers / std::max(on_it, 1), 0.25));
     if (!is_too_large(every_nth(2000))) return CutPlane{best, std::clamp(3 * best.rms_mm, 1.5f, threshold), at_mm};
-    bend(best, every_nth(1500), threshold);
+    bend(best, every_nth(2500), threshold);
     // Cut by the noise that the plane shows, so that the feet of flat parts stay.
     return CutPlane{best, std::clamp(2.7f * best.rms_mm, 1.5f, threshold), at_mm};
   }
