@@ -527,7 +527,6 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
                                           .max_iterations = 6,
                                           .rate_end = false});
     h.camera_from_model = refined.camera_from_model;
-    h.distance = refined.mean_capped;
   };
   parallel_for(hypotheses.size(), [&](std::size_t i) { settle(hypotheses[i]); });
   // What sinks into the table is not there, however well what is seen of it fits.
@@ -566,17 +565,6 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     more.insert(more.end(), others.begin(), others.end());
   }
   parallel_for(more.size(), [&](std::size_t i) { settle(more[i]); });
-  // What came back to where another is, or lies clearly farther from the points than the best, is not the likeliest.
-  std::vector<Hypothesis> other;
-  for (auto& h : more) {
-    constexpr double most_farther = 0.3;  // in end scales; what won was never 0.2 farther
-    const auto is_there = [&](const Hypothesis& o) { return about_the_same(o, h, *models[h.part], 0.01, 2); };
-    if (h.distance < hypotheses[0].distance + most_farther &&
-        std::none_of(hypotheses.begin(), hypotheses.end(), is_there) &&
-        std::none_of(other.begin(), other.end(), is_there))
-      other.push_back(std::move(h));
-  }
-  more = std::move(other);
   drop_sunk(more);
   parallel_for(more.size(), [&](std::size_t i) { more[i].cost = -compare(more[i]).log_likelihood; });
   hypotheses.insert(hypotheses.end(), more.begin(), more.end());

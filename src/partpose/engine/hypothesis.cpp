@@ -329,19 +329,18 @@ void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* cons
   sort_by_cost(hypotheses);
 }
 
-bool about_the_same(const Hypothesis& a, const Hypothesis& b, const PartModel& model, double share, double turn_deg) {
-  return a.part == b.part &&
-         (a.camera_from_model * model.middle_mm - b.camera_from_model * model.middle_mm).norm() <
-             share * model.diameter_mm &&
-         rotation_error_deg(a.camera_from_model, b.camera_from_model) < turn_deg;
-}
-
 std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const PartModel* const> models) {
   std::vector<Hypothesis> kept;
-  for (const auto& h : sorted)
-    if (std::none_of(kept.begin(), kept.end(),
-                     [&](const Hypothesis& k) { return about_the_same(k, h, *models[h.part], 0.05, 8); }))
-      kept.push_back(h);
+  for (const auto& h : sorted) {
+    const PartModel& model = *models[h.part];
+    const bool seen = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& k) {
+      return k.part == h.part &&
+             (k.camera_from_model * model.middle_mm - h.camera_from_model * model.middle_mm).norm() <
+                 0.05 * model.diameter_mm &&
+             rotation_error_deg(k.camera_from_model, h.camera_from_model) < 8;
+    });
+    if (!seen) kept.push_back(h);
+  }
   return kept;
 }
 

@@ -19,8 +19,7 @@ struct Hypothesis {
   int part = -1, view = -1;
   int seed = -1;  ///< the place in the frame that the start is about, where it is about one
   double cost = 0;
-  double distance = 0;       ///< mean of the points' distances from it when it was last put onto them, in end scales
-  double template_cost = 0;  ///< mean difference of the template's cells, in caps
+  double template_cost = 0;                                 ///< mean difference of the template's cells, in caps
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< by the template
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
 };
@@ -75,9 +74,6 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
 /// by where what its view shows falls in the frame. Best first.
 void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const ObjectView& view,
             const ProbePoints& probes, int iterations);
-
-/// Whether two are the same part at about the same pose: its middle within a share of its diameter, and its turn.
-bool about_the_same(const Hypothesis& a, const Hypothesis& b, const PartModel& model, double share, double turn_deg);
 
 /// Without those that are the same part at about the same pose as a better one. Best first, as given.
 std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const PartModel* const> models);
