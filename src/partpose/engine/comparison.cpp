@@ -231,11 +231,12 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
     return std::max(0.0f, 1 - t * t);
   };
 
-  // Something before the part, and not the table.
+  const auto is_table = [&](std::size_t p) {
+    return !frame_.before_table_mm.empty() && std::abs(frame_.before_table_mm[p]) < 4 * noise_mm;
+  };
   const auto edge_mm = static_cast<float>(sensor.edge_mm);
   const auto hides = [&](float model_z, std::size_t p) {
-    return frame_.depth.z_mm[p] < model_z - edge_mm &&
-           (frame_.before_table_mm.empty() || std::abs(frame_.before_table_mm[p]) >= 4 * noise_mm);
+    return frame_.depth.z_mm[p] < model_z - edge_mm && !is_table(p);
   };
 
   constexpr float outline_weight = 0.25f, nothing_weight = 0.5f;
@@ -295,8 +296,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
           ++out.free_space;
           judged += 1;
           log_likelihood += log_outlier;
-        } else if (!frame_.before_table_mm.empty() && frame_.label[p] == PixelLabel::background &&
-                   std::abs(frame_.before_table_mm[p]) < 4 * noise_mm) {
+        } else if (is_table(p)) {
           ++out.below_table;
           judged += 1;
           log_likelihood += log_outlier;
@@ -320,7 +320,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
       } else if (const Beside& near = beside[static_cast<std::size_t>(v) * camera.width + u]; near.distance > 0) {
         const float behind_mm =
             frame_.depth.z_mm[static_cast<std::size_t>(v0 + v) * frame_.depth.width + u0 + u] - near.z_mm;
-        if (behind_mm < static_cast<float>(sensor.edge_mm)) continue;
+        if (behind_mm < edge_mm) continue;
         log_likelihood += outline.log_free(near.distance);
       }
     }
