@@ -155,6 +155,12 @@ struct Engine::Impl {
   /// Moves the contenders onto the data.
   void polish(Target& target) const;
   void decide(Target& target) const;
+  /// Where each pixel errs for itself, all of them tell where the part is: moves the best candidate onto all.
+  void finish(Target& target) const;
+  ProjectiveRefinement move_onto(const DepthImage& depth, const Target& target, const Intrinsics& camera,
+                                 int iterations, Candidate& candidate) const;
+  /// Of the best candidate's pose. `stride`: of the pixels that it was fitted to.
+  Matrix6d covariance_of(const Target& target, const ProjectiveRefinement& fit, int stride) const;
   void describe(Target& target, const std::vector<std::pair<double, std::size_t>>& order) const;
   std::size_t contenders_of(const Target& target) const;
   /// For a comparison of every `stride`-th pixel.
@@ -400,6 +406,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     if (&target == &targets[0] && std::isfinite(left_mm)) noise_per_mm2 = left_mm / (z_mm * z_mm);
     target.noise_mm = std::clamp(noise_per_mm2 * z_mm * z_mm, 0.65 * target.view.noise_mm, 1.3 * target.view.noise_mm);
     time("decision", [&] { impl_->decide(target); });
+    time("polish", [&] { impl_->finish(target); });
   }
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
   if (targets.empty()) {
@@ -604,20 +611,36 @@ void Engine::Impl::polish(Target& target) const {
     pixels.extend(models[part_of(candidates[i])]->covered(target.view.frame->camera, candidates[i].camera_from_model));
   target.fine = window_about(target.view, pixels, fine_pixels);
   const DepthImage depth = object_depth(target.fine);
-  parallel_for(contenders, [&](std::size_t i) {
-    Candidate& candidate = candidates[i];
-    const PartModel& model = *models[part_of(candidate)];
-    const auto refined = refine_projectively(model.surface, candidate.camera_from_model, depth, target.fine.camera,
-                                             {.gate_mm = static_cast<float>(std::max(6 * target.noise_mm, 2.0)),
-                                              .max_iterations = 3,
-                                              .faces = model.surface.faces});
-    candidate.T4 = refined.camera_from_model * candidate.camera_from_model.inverse() * candidate.T4;
-    candidate.camera_from_model = refined.camera_from_model;
-    candidate.icp_converged = std::isfinite(refined.rms_mm);
-    candidate.icp_fitness = candidate.icp_converged ? static_cast<float>(refined.rms_mm) : -1;
-    target.fit[i] = refined;
-  });
+  parallel_for(contenders,
+               [&](std::size_t i) { target.fit[i] = move_onto(depth, target, target.fine.camera, 3, candidates[i]); });
   target.polished = true;
+}
+
+ProjectiveRefinement Engine::Impl::move_onto(const DepthImage& depth, const Target& target, const Intrinsics& camera,
+                                             int iterations, Candidate& candidate) const {
+  const PartModel& model = *models[part_of(candidate)];
+  const auto refined = refine_projectively(model.surface, candidate.camera_from_model, depth, camera,
+                                           {.gate_mm = static_cast<float>(std::max(6 * target.noise_mm, 2.0)),
+                                            .max_iterations = iterations,
+                                            .faces = model.surface.faces});
+  candidate.T4 = refined.camera_from_model * candidate.camera_from_model.inverse() * candidate.T4;
+  candidate.camera_from_model = refined.camera_from_model;
+  candidate.icp_converged = std::isfinite(refined.rms_mm);
+  candidate.icp_fitness = candidate.icp_converged ? static_cast<float>(refined.rms_mm) : -1;
+  return refined;
+}
+
+void Engine::Impl::finish(Target& target) const {
+  constexpr double most_shared = 1.5;  // of what a pixel errs for itself
+  const int all = target.view.object->pixels;
+  if (stride_for(target.view, fine_pixels) == 1 || target.view.noise_mm > most_shared * target.local_noise_mm) return;
+  Candidate& best = target.candidates[0];
+  const Eigen::AlignedBox2d pixels = models[part_of(best)]->covered(target.view.frame->camera, best.camera_from_model);
+  const FrameWindow window = window_about(target.view, pixels, all);
+  const auto fit = move_onto(object_depth(window), target, window.camera, 2, best);
+  if (!std::isfinite(fit.rms_mm)) return;
+  target.detection.camera_from_model = best.camera_from_model;
+  target.detection.covariance = covariance_of(target, fit, 1);
 }
 
 void Engine::Impl::decide(Target& target) const {
@@ -661,6 +684,14 @@ void Engine::Impl::decide(Target& target) const {
   }
 }
 
+Matrix6d Engine::Impl::covariance_of(const Target& target, const ProjectiveRefinement& fit, int stride) const {
+  const Candidate& best = target.candidates[0];
+  const PartModel& model = *models[part_of(best)];
+  return pose_covariance(fit.hessian, fit.centre_mm, best.camera_from_model * model.middle_mm,
+                         {std::min(target.local_noise_mm, target.noise_mm), target.noise_mm}, stride,
+                         model.diameter_mm);
+}
+
 /// The best candidate as a detection, with the others that may be right. `order`: the contenders by rising negative
 /// log-evidence.
 void Engine::Impl::describe(Target& target, const std::vector<std::pair<double, std::size_t>>& order) const {
@@ -675,10 +706,7 @@ void Engine::Impl::describe(Target& target, const std::vector<std::pair<double, 
   detection.camera_from_model = best.camera_from_model;
   detection.score = best.score;
   const PartModel& model = *models[detection.part];
-  const auto& fit = target.fit[0];
-  detection.covariance =
-      pose_covariance(fit.hessian, fit.centre_mm, best.camera_from_model * model.middle_mm,
-                      {std::min(target.local_noise_mm, target.noise_mm), target.noise_mm}, stride, model.diameter_mm);
+  detection.covariance = covariance_of(target, target.fit[0], stride);
 
   constexpr double least_share = 0.01;
   double as_good = share[0];
