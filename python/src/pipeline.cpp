@@ -153,6 +153,9 @@ void bind_detections(nb::module_& m) {
           "probability", [](const NamedAlternative& self) { return self.alternative.probability; }, "0 to 1.");
   bind_repr(alternative, {"part", "probability", "camera_from_model"});
 
+  bind_described<Explanation>(m, "Explanation",
+                              "How a part at its pose and a frame explain each other: what the engine's score is made "
+                              "of.");
   nb::class_<NamedDetection> detection(m, "Detection", "A part found in a frame.");
   detection.def_ro("part", &NamedDetection::part, "Its name.")
       .def_prop_ro(
@@ -178,6 +181,9 @@ void bind_detections(nb::module_& m) {
                   "None"),
           "6 x 6, of a small rotation vector [rad] and translation [mm] of the part, about its box's middle, in the "
           "camera's axes. None: this recognizer states none.")
+      .def_prop_ro(
+          "explanation", [](const NamedDetection& self) { return self.detection.explanation; },
+          "What the score is made of. None: of another recognizer than the engine.")
       .def_ro("alternatives", &NamedDetection::alternatives,
               "Likeliest first; poses that are the same by symmetry are not listed.");
   detection.attr("__repr__") = nb::cpp_function(

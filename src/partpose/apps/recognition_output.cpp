@@ -45,6 +45,7 @@ void add_certainty(Json& line, const Detection& detection, const Catalogue& cata
   line["alternatives"] = Json::array();
   for (const auto& alternative : detection.alternatives)
     line["alternatives"].push_back(json_of(alternative, catalogue));
+  if (detection.explanation) line["explanation"] = to_json(*detection.explanation);
 }
 
 /// All objects of the frame, the result first.

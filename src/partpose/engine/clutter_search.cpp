@@ -444,7 +444,8 @@ class Separation {
   /// What it stands on is asked when it is found.
   double probability(const Trial& trial) const {
     const Hypothesis& h = trial.hypothesis;
-    return probability_of_part(trial.comparison, {.noise = noise_at(h) / models_[h.part]->diameter_mm});
+    return rough_probability(trial.comparison,
+                             {.noise_mm = noise_at(h), .diameter_mm = models_[h.part]->diameter_mm, .height_mm = {}});
   }
 
   /// Moves the part onto the pixels themselves, where that may help.

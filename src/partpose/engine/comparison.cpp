@@ -246,7 +246,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
 
   constexpr float most_deviations = 6;
   std::vector<float> deviation(sensor.waves_px > 0 ? rendered.z_mm.size() : 0, nowhere_mm);
-  double log_likelihood = 0, soft = 0, judged = 0;
+  double log_likelihood = 0, soft = 0, judged = 0, near_deviations = 0;
   for (int v = 0; v < camera.height; ++v) {
     const float* part_row = part.row(v);
     const float* object_row = object_.row(v0 + v) + u0;
@@ -265,14 +265,19 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
         out.unexplained += agree <= 0;
         soft += 2 * agree;
         judged += 2;
-        if (sensor.waves_px > 0 && here < most_deviations * noise_mm)
-          deviation[static_cast<std::size_t>(v) * camera.width + u] = (object_z - model_z) / noise_mm;
+        if (here < most_deviations * noise_mm) {
+          const float off = (object_z - model_z) / noise_mm;
+          ++out.near;
+          near_deviations += off * off;
+          if (sensor.waves_px > 0) deviation[static_cast<std::size_t>(v) * camera.width + u] = off;
+        }
         log_likelihood +=
             log_match + (sure ? log_density(here) : std::max(log_density(here), log_edge + log_density(near)));
       } else if (model) {
         const std::size_t p = static_cast<std::size_t>(v0 + v) * frame_.depth.width + u0 + u;
         const float measured_z = frame_.depth.z_mm[p];
         const bool measured = frame_.label[p] != PixelLabel::nothing;
+        out.farther += measured && measured_z - model_z > 3 * noise_mm;
         const float near = near_object_[p] ? object_.smallest_difference(model_z, u0 + u, v0 + v) : nowhere_mm;
         if (measured && std::abs(model_z - measured_z) < 4 * noise_mm) {
           // Measured, but taken for the table, as what lies low on it is: the likelier of the two.
@@ -327,6 +332,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
   }
   out.soft = soft;
   out.judged = judged;
+  out.near_deviations = near_deviations;
   if (sensor.waves_px > 0)
     out.local_deviations = local_deviations(deviation, camera.width, camera.height,
                                             std::max(1, static_cast<int>(std::lround(sensor.waves_px))));

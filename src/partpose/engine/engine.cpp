@@ -47,8 +47,13 @@ struct Target {
     for (const auto& p : view.points.points_mm) extent_mm += (p.cast<double>() - view.all.centre_mm()).squaredNorm();
     extent_mm = 3 * std::sqrt(extent_mm / std::max<double>(static_cast<double>(view.points.points_mm.size()), 1));
   }
-  /// By which the frame's objects compete: how sure and how large.
-  double evidence() const { return best_score * std::sqrt(static_cast<double>(view.object->pixels)); }
+  /// By which the frame's objects compete: how sure (odds) and how large. What hides a part may be the larger one.
+  double evidence() const {
+    constexpr double never_sure = 0.02;
+    return best_score / (1 + never_sure - best_score) * std::sqrt(static_cast<double>(view.object->pixels));
+  }
+  /// By which several parts compete with one that is all of them: how much they explain.
+  double explained() const { return best_score * std::sqrt(static_cast<double>(view.object->pixels)); }
   /// Whether a closer look may find better. Of what is partly hidden a wrong pose explains much.
   bool is_weak() const { return best_score < (partly_hidden ? weak_when_hidden : weak); }
   static constexpr double weak = 0.65, weak_when_hidden = 0.8;
@@ -173,11 +178,11 @@ struct Engine::Impl {
             .edge_mm = target.view.frame->edge_mm(z_mm),
             .size_mm = target.extent_mm};
   }
-  RelativeSizes sizes(const Target& target, const PartModel& model, const Eigen::Isometry3d& camera_from_model) const {
-    constexpr double on_something_else = 2;  // in diameters: so high it stands on another thing than the table seen
-    const double height_mm = height_above_table_mm(*target.view.frame, model, camera_from_model).value_or(0);
-    const double height = std::max(height_mm, 0.0) / model.diameter_mm;
-    return {.noise = target.noise_mm / model.diameter_mm, .in_the_air = height < on_something_else ? height : 0};
+  PartInFrame in_frame(const Target& target, int part, const Eigen::Isometry3d& camera_from_model) const {
+    PartInFrame out{target.noise_mm, target.extent_mm, models[part]->diameter_mm, {}};
+    if (!target.view.object->whole_frame)
+      out.height_mm = height_above_table_mm(*target.view.frame, *models[part], camera_from_model);
+    return out;
   }
   Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
   std::vector<Detection> detections(const std::vector<Target>& targets) const;
@@ -449,7 +454,7 @@ std::vector<const PartModel*> Engine::Impl::models_to_search(const std::set<int>
 void Engine::Impl::add_separated(std::vector<Target>& targets, const FramePieces& frame,
                                  const std::vector<SeparatedPart>& parts, StageTimes& time) const {
   std::vector<Target> added;
-  double evidence = 0;
+  double explained = 0;
   std::bitset<256> labels;
   // Of several poses for the same pixels the likeliest may be one that nothing holds.
   const auto hangs = [&](const Candidate& candidate, const SeparatedPart& found) {
@@ -468,12 +473,12 @@ void Engine::Impl::add_separated(std::vector<Target>& targets, const FramePieces
     time("verify", [&] { verify(target, part.hypotheses); });
     if (target.candidates.empty() || hangs(target.candidates[0], part)) continue;
     reconsider(target, time);
-    evidence += target.evidence();
+    explained += target.explained();
     labels |= part.object.labels;
     added.push_back(std::move(target));
   }
   std::erase_if(targets, [&](const Target& target) {
-    return (target.view.object->labels & labels).any() && target.evidence() < evidence;
+    return (target.view.object->labels & labels).any() && target.explained() < explained;
   });
   std::move(added.begin(), added.end(), std::back_inserter(targets));
 }
@@ -589,7 +594,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     target.log_likelihoods.push_back(-hypotheses[i].cost);
   }
   const Hypothesis& best = hypotheses[0];
-  target.best_score = probability_of_part(compare(best), sizes(target, *models[best.part], best.camera_from_model));
+  target.best_score = rough_probability(compare(best), in_frame(target, best.part, best.camera_from_model));
 }
 
 /// Those that a closer look may still put first.
@@ -647,6 +652,7 @@ void Engine::Impl::decide(Target& target) const {
   auto& candidates = target.candidates;
   const std::size_t contenders = contenders_of(target);
   std::vector<DepthComparison> comparison(contenders);
+  std::vector<Explanation> explanation(contenders);
   const int stride = stride_for(target.view, fine_pixels);
   constexpr double waves_px = 8;
   SensorModel with_waves = sensor(target, stride);
@@ -657,7 +663,8 @@ void Engine::Impl::decide(Target& target) const {
     const PartModel& model = *models[part];
     const Eigen::Isometry3d& pose = candidates[i].camera_from_model;
     comparison[i] = compare(model.surface, pose, model.covered(target.fine.camera, pose), model.surface.faces);
-    candidates[i].score = static_cast<float>(probability_of_part(comparison[i], sizes(target, model, pose)));
+    explanation[i] = explanation_of(comparison[i], in_frame(target, part, pose));
+    candidates[i].score = static_cast<float>(probability_of_part(explanation[i]));
   });
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < contenders; ++i) order.emplace_back(-log_evidence(comparison[i]), i);
@@ -673,6 +680,7 @@ void Engine::Impl::decide(Target& target) const {
   target.fit = std::move(fit);
   target.best_score = candidates[0].score;
   describe(target, order);
+  target.detection.explanation = explanation[order[0].second];
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     candidates[i].verified = true;
     candidates[i].verification.accepted = i == 0 && candidates[i].score >= options.min_score;

@@ -17,19 +17,52 @@ namespace {
 /// So many pixels of a stereo camera's depth err together: about the area within its correlation length.
 constexpr double alike_px = 200;
 
+/// How high its lowest place lies above the table, in diameters; 0 where there is none, or it stands on something else.
+double height_of(const PartInFrame& part) {
+  constexpr double on_something_else = 2;  // in diameters
+  const double height = part.height_mm.value_or(0) / part.diameter_mm;
+  return height < on_something_else ? height : 0;
+}
+
 double share(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
 
 }  // namespace
 
-double probability_of_part(const DepthComparison& c, const RelativeSizes& sizes) {
+double rough_probability(const DepthComparison& c, const PartInFrame& part) {
   if (c.explained == 0) return 0;
   constexpr double highest = 0.3;
   const int visible = std::max(c.model - c.hidden, 1);
   const double gain = c.best_log_likelihood > 0 ? std::min(c.log_likelihood / c.best_log_likelihood, 1.0) : 0;
   const double logit = -17.8 + 1.4 * gain + 22.6 * c.score() - 14.3 * share(c.unexplained, c.object) -
                        39.8 * share(c.free_space + c.below_table, visible) - 12.5 * share(c.nothing, visible) -
-                       10 * share(c.model_outline, visible) - 35.2 * sizes.noise -
-                       24.3 * std::clamp(sizes.in_the_air, 0.0, highest);
+                       10 * share(c.model_outline, visible) - 35.2 * part.noise_mm / part.diameter_mm -
+                       24.3 * std::clamp(height_of(part), 0.0, highest);
+  return 1 / (1 + std::exp(-logit));
+}
+
+Explanation explanation_of(const DepthComparison& c, const PartInFrame& part) {
+  Explanation out;
+  out.explained_pixels = c.explained;
+  out.agreement = c.score();
+  out.deviation = c.near > 0 ? std::sqrt(c.near_deviations / c.near) : 0;
+  out.unexplained = share(c.unexplained, c.object);
+  const int visible = std::max(c.model - c.hidden, 1);
+  out.farther = share(c.farther, visible);
+  out.free_space = share(c.free_space + c.below_table, visible);
+  out.noise = part.noise_mm / std::max(part.extent_mm, 1.0);
+  out.height = height_of(part);
+  out.height_deviations = out.height * part.diameter_mm / part.noise_mm;
+  return out;
+}
+
+double probability_of_part(const Explanation& e) {
+  if (e.explained_pixels == 0) return 0;
+  constexpr double highest = 0.3, most_deviations = 10, least_noise = 0.008;
+  const double logit = -11.56 - 2.8 * std::log(1.02 - e.agreement) - 1.34 * e.deviation -
+                       6.85 * std::sqrt(e.unexplained) - 14.34 * e.farther - 39.61 * e.free_space -
+                       2.52 * std::log(std::max(e.noise, least_noise)) - 8.62 * std::clamp(e.height, 0.0, highest) -
+                       0.79 * std::clamp(e.height_deviations, 0.0, most_deviations) -
+                       22.04 * std::clamp(-e.height, 0.0, highest);
   return 1 / (1 + std::exp(-logit));
 }
 

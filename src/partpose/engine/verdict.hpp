@@ -3,22 +3,32 @@
 #pragma once
 
 #include "partpose/engine/comparison.hpp"
+#include "partpose/pipeline/recognition.hpp"
 #include "partpose/registration/normal_equations.hpp"
 
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace partpose {
 
-/// Of a part at a pose, in its diameters.
-struct RelativeSizes {
-  double noise = 0;       ///< standard deviation of a depth
-  double in_the_air = 0;  ///< so high its lowest point lies above the table; 0: on it, or none is seen
+/// What a comparison does not know of a part at its pose.
+struct PartInFrame {
+  double noise_mm = 1;              ///< standard deviation of a depth
+  double extent_mm = 100;           ///< of what is seen
+  double diameter_mm = 100;         ///< of the part
+  std::optional<double> height_mm;  ///< of its lowest place above the table; below 0 it sinks into that
 };
 
+/// Probability that the part is what is seen, by what the comparison counts alone: of poses that are still a little
+/// off, to say what needs a closer look. A logistic regression (Cox 1958).
+double rough_probability(const DepthComparison& comparison, const PartInFrame& part);
+
+Explanation explanation_of(const DepthComparison& comparison, const PartInFrame& part);
+
 /// Probability that the part is what is seen, about at this pose, by how the two explain each other alone. A logistic
-/// regression (Cox 1958); docs/engine.md says on which frames it was fitted.
-double probability_of_part(const DepthComparison& comparison, const RelativeSizes& sizes);
+/// regression (Cox 1958), whose constants tools/fit_score.py finds.
+double probability_of_part(const Explanation& explanation);
 
 /// By which poses of one object compete: the log-likelihood, and once more what deviates from the waves that are in all
 /// of them. Needs `local_deviations`.

@@ -20,7 +20,8 @@ DepthComparison comparison_of(int unexplained, int free_space) {
   c.unexplained = unexplained;
   c.free_space = free_space;
   c.explained = 1000 - unexplained;
-  c.local_deviations = 1000;
+  c.near = c.explained;
+  c.near_deviations = c.local_deviations = c.explained;
   c.log_likelihood = 2.8 * c.explained;
   c.best_log_likelihood = 3500;
   c.soft = 2 * agreement * c.explained;
@@ -29,26 +30,58 @@ DepthComparison comparison_of(int unexplained, int free_space) {
 }
 DepthComparison good_comparison() { return comparison_of(0, 0); }
 
-double probability(const DepthComparison& comparison) { return probability_of_part(comparison, {.noise = 0.01}); }
+PartInFrame at_rest() { return {.noise_mm = 1, .extent_mm = 100, .diameter_mm = 100, .height_mm = 0.0}; }
+double rough(const DepthComparison& comparison) { return rough_probability(comparison, at_rest()); }
+double probability(const DepthComparison& comparison, const PartInFrame& part = at_rest()) {
+  return probability_of_part(explanation_of(comparison, part));
+}
 
 TEST(Verdict, FallsWithWhatIsNotExplained) {
-  const double good = probability(good_comparison());
-  EXPECT_GT(good, 0.9);
+  EXPECT_GT(probability(good_comparison()), 0.9);
   EXPECT_LT(probability(comparison_of(250, 0)), 0.2);
   EXPECT_LT(probability(comparison_of(0, 100)), 0.3);
   EXPECT_EQ(probability({}), 0);
+  DepthComparison farther = good_comparison();
+  farther.farther = 200;  // an outline that the object does not fill
+  EXPECT_LT(probability(farther), 0.6 * probability(good_comparison()));
+  DepthComparison uneven = good_comparison();
+  uneven.near_deviations = 4 * uneven.near;
+  EXPECT_LT(probability(uneven), probability(good_comparison()) - 0.01);
 }
 
-TEST(Verdict, NothingHangsInTheAirNorIsSeenThroughNoise) {
+TEST(Verdict, AtFirstFallsWithWhatIsNotExplained) {
+  EXPECT_GT(rough(good_comparison()), 0.9);
+  EXPECT_LT(rough(comparison_of(250, 0)), 0.2);
+  EXPECT_LT(rough(comparison_of(0, 100)), 0.3);
+  EXPECT_EQ(rough({}), 0);
+}
+
+TEST(Verdict, NothingHangsInTheAirNorSinksNorIsSeenThroughNoise) {
   const DepthComparison c = good_comparison();
-  EXPECT_LT(probability_of_part(c, {.noise = 0.01, .in_the_air = 0.25}), 0.3);
-  EXPECT_LT(probability_of_part(c, {.noise = 0.1}), 0.8);
+  const auto at_height = [](std::optional<double> height_mm) {
+    PartInFrame part = at_rest();
+    part.height_mm = height_mm;
+    return part;
+  };
+  EXPECT_LT(probability(c, at_height(25)), 0.3);
+  EXPECT_LT(probability(c, at_height(-25)), 0.6 * probability(c));
+  // Where there is no table, and so high that the part stands on something else, nothing is known.
+  EXPECT_EQ(probability(c, at_height({})), probability(c));
+  EXPECT_EQ(probability(c, at_height(300)), probability(c));
+  PartInFrame small = at_rest();
+  small.extent_mm = 5;
+  EXPECT_LT(probability(c, small), probability(c) - 0.05);
+  EXPECT_LT(rough_probability(c, at_height(25)), 0.3);
+  PartInFrame noisy = at_rest();
+  noisy.noise_mm = 10;
+  EXPECT_LT(rough_probability(c, noisy), 0.8);
 }
 
 TEST(Verdict, WhatIsHiddenIsNotHeldAgainstAPart) {
   DepthComparison hidden = good_comparison();
   hidden.model = 1700;
   hidden.hidden = 700;
+  EXPECT_NEAR(rough(hidden), rough(good_comparison()), 1e-9);
   EXPECT_NEAR(probability(hidden), probability(good_comparison()), 1e-9);
 }
 

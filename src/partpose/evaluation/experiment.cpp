@@ -374,7 +374,11 @@ void Experiment::run(const PartGroup& group, const ExperimentProtocol& protocol,
   const Catalogue all =
       meshes_only ? mesh_catalogue(parts_of(group)) : load_catalogue(dataset(group, spec_.database), config, progress_);
   const auto make = [&](Catalogue catalogue) -> std::unique_ptr<PartRecognizer> {
-    if (meshes_only) return std::make_unique<Engine>(std::move(catalogue));
+    if (meshes_only) {
+      EngineOptions options;
+      options.min_score = configuration.min_score.value_or(options.min_score);
+      return std::make_unique<Engine>(std::move(catalogue), options);
+    }
     if (configuration.pipeline.empty()) return std::make_unique<Recognizer>(std::move(catalogue));
     return std::make_unique<GlobalPipeline>(std::move(catalogue), config);
   };
@@ -533,6 +537,9 @@ void ExperimentConfiguration::check() const {
   if (name.empty()) throw Error("name: must not be empty");
   if (recognizer != "recognizer" && recognizer != "engine")
     throw Error("recognizer \"{}\": must be \"recognizer\" or \"engine\"", recognizer);
+  if (min_score && (recognizer != "engine" || !pipeline.empty()))
+    throw Error("min_score {}: only where \"recognizer\" is \"engine\" and there is no \"pipeline\"", *min_score);
+  if (min_score && !(*min_score >= 0 && *min_score <= 1)) throw Error("min_score {}: must be 0 to 1", *min_score);
 }
 
 void ExperimentSpec::check() const {

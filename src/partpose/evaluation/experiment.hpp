@@ -59,11 +59,13 @@ struct ExperimentConfiguration {
   std::string name;
   std::string pipeline;
   std::string recognizer = "engine";
+  std::optional<float> min_score = {};
 
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("name", self.name, "names the configuration in the tables");
     visit("recognizer", self.recognizer, "where nothing is configured: \"engine\" or \"recognizer\"");
+    visit("min_score", self.min_score, "of the engine: what scores less is refused, 0 to 1; absent: its default");
     visit("pipeline", self.pipeline, "pipeline configuration (JSON); empty: nothing is configured");
   }
   void check() const;

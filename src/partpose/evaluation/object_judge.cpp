@@ -27,9 +27,11 @@ double middles_apart_mm(const TriangleMesh& a, const Eigen::Isometry3d& camera_f
 
 std::vector<DetectionRecord> detections_of(const Recognition& recognition, const Catalogue& catalogue) {
   std::vector<DetectionRecord> out;
-  for (const auto& detection : recognition.detections)
+  for (const auto& detection : recognition.detections) {
     out.push_back(
         {catalogue.parts[detection.part].name, detection.camera_from_model, detection.score, detection.confidence});
+    out.back().explanation = detection.explanation;
+  }
   if (out.empty() && recognition.accepted >= 0) {
     const Candidate& best = recognition.candidates[recognition.accepted];
     out.push_back({catalogue.parts[catalogue.views[best.view_row].part].name, best.camera_from_model, best.score,

@@ -45,6 +45,7 @@ struct DetectionRecord {
   int object = -1;
   bool part_right = false;
   bool right = false;
+  std::optional<Explanation> explanation = {};  ///< of the Engine; absent in the records of older versions
 
   static constexpr bool all_keys_required = true;
   template <typename Self, typename Visit>
@@ -56,6 +57,7 @@ struct DetectionRecord {
     visit("object", self.object, "index of the object that it stands for; -1: none");
     visit("part_right", self.part_right, "whether it names that object's part");
     visit("right", self.right, "whether part and pose are right, or cannot be told from the truth by this camera");
+    visit("explanation", self.explanation, "what the engine's score is made of");
   }
 };
 

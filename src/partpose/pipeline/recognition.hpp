@@ -6,6 +6,7 @@
 #include "partpose/pipeline/catalogue.hpp"
 #include "partpose/pipeline/records.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,35 @@ struct Candidate {
   bool verified = false;  ///< false: a better candidate was accepted before this one's turn
 };
 
+/// How a part at its pose and a frame explain each other: what the Engine's score is made of.
+struct Explanation {
+  int explained_pixels = 0;  ///< of those looked at; 0: the rest says nothing
+  double agreement = 0;      ///< mean of both directions, 0 to 1
+  double deviation = 0;      ///< root mean square of the depths' differences, in the noise's standard deviations
+  double unexplained = 0;    ///< share of the object's pixels
+  double farther = 0;        ///< share of the part's visible pixels where something farther was measured
+  double free_space = 0;     ///< share of them before what was measured, or beneath the table, not beside an outline
+  double noise = 0;          ///< standard deviation of a depth, over the extent of what is seen
+  double height = 0;         ///< of the part's lowest place above the table, in diameters; below 0 it sinks in; 0 as
+                             ///< well where there is no table, or the part stands on something else
+  double height_deviations = 0;  ///< the same in the noise's standard deviations
+
+  static constexpr bool all_keys_required = true;
+  template <typename Self, typename Visit>
+  static void describe(Self& self, Visit&& visit) {
+    visit("explained_pixels", self.explained_pixels, "of those looked at");
+    visit("agreement", self.agreement, "mean of both directions, 0 to 1");
+    visit("deviation", self.deviation, "rms of the depths' differences, in the noise's standard deviations");
+    visit("unexplained", self.unexplained, "share of the object's pixels");
+    visit("farther", self.farther, "share of the part's visible pixels where something farther was measured");
+    visit("free_space", self.free_space,
+          "share of the part's visible pixels before what was measured, or beneath the table, not beside an outline");
+    visit("noise", self.noise, "standard deviation of a depth, over the extent of what is seen");
+    visit("height", self.height, "of the part's lowest place above the table, in diameters; below 0 it sinks in");
+    visit("height_deviations", self.height_deviations, "the same in the noise's standard deviations");
+  }
+};
+
 /// Another part or pose that explains an object too.
 struct Alternative {
   int part = -1;  ///< index into Catalogue::parts
@@ -41,7 +71,8 @@ struct Alternative {
 struct Detection {
   int part = -1;  ///< index into Catalogue::parts
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
-  float score = -1;  ///< 0 to 1, as of a Candidate
+  float score = -1;                             ///< 0 to 1, as of a Candidate
+  std::optional<Explanation> explanation = {};  ///< of the Engine
   double confidence =
       0;  ///< probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1
   /// Of a small rotation vector [rad] and translation [mm] of the part, about its box's middle, in the camera's axes.
