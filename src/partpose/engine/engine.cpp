@@ -381,8 +381,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   r.result.timestamp = make_timestamp();
   StageTimes time(r.stages);
   FramePieces frame = time("segmentation", [&] { return split_frame(depth, camera, impl_->pieces); });
-  r.num_of_points_input = static_cast<int>(
-      frame.label.size() - std::count(frame.label.begin(), frame.label.end(), FramePieces::not_measured));
+  r.num_of_points_input = frame.measured_pixels;
   if (frame.objects.empty()) {
     r.reason = why_nothing_stands_out(depth);
     return r;

@@ -270,37 +270,40 @@ class Splitter {
     if (most_votes < smallest_share * static_cast<double>(voters.size())) return std::nullopt;
 
     const Cells some = every_nth(6000);
-    std::vector<Eigen::Vector3f> rays;
-    std::vector<float> depths_mm;
-    rays.reserve(some.size());
-    depths_mm.reserve(some.size());
+    std::vector<float> ray_x, ray_y, depths_mm;
     for (const int cell : some) {
-      rays.push_back(grid_.ray(cell));
+      ray_x.push_back(grid_.ray_x[cell % grid_.width]);
+      ray_y.push_back(grid_.ray_y[cell / grid_.width]);
       depths_mm.push_back(grid_.z_mm[cell]);
     }
     float squared = 0;
     double fourth_powers = 0;  // of the depths
     int on_it = 0;
     for (int round = 0; round < 3; ++round) {
-      Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-      Eigen::Vector3d right = Eigen::Vector3d::Zero();
-      const float per_mm = best.q.norm();
+      const float qx = best.q.x(), qy = best.q.y(), qz = best.q.z(), per_norm = 1 / best.q.norm();
+      double xx = 0, xy = 0, yy = 0, x_sum = 0, y_sum = 0;   // of the rays' products
+      double x_inverse = 0, y_inverse = 0, inverse_sum = 0;  // of the rays over their depths
       squared = 0;
       fourth_powers = 0;
       on_it = 0;
-      for (std::size_t i = 0; i < rays.size(); ++i) {
+#pragma omp simd reduction(+ : xx, xy, yy, x_sum, y_sum, x_inverse, y_inverse, inverse_sum) \
+    reduction(+ : squared, fourth_powers, on_it)
+      for (std::size_t i = 0; i < some.size(); ++i) {
         const float z_mm = depths_mm[i];
-        const float height = (1 - z_mm * best.q.dot(rays[i])) / per_mm;
-        if (std::abs(height) >= threshold) continue;
-        const Eigen::Vector3d r = rays[i].cast<double>();
-        normal += r * r.transpose();
-        right += r / z_mm;
-        squared += height * height;
-        fourth_powers += static_cast<double>(z_mm * z_mm) * (z_mm * z_mm);
-        ++on_it;
+        const float height = (1 - z_mm * (qx * ray_x[i] + qy * ray_y[i] + qz)) * per_norm;
+        const float counts = std::abs(height) < threshold ? 1.0f : 0.0f;
+        const double x = ray_x[i], y = ray_y[i], weight = counts, inverse = weight / z_mm;
+        xx += weight * x * x, xy += weight * x * y, yy += weight * y * y;
+        x_sum += weight * x, y_sum += weight * y;
+        x_inverse += x * inverse, y_inverse += y * inverse, inverse_sum += inverse;
+        squared += counts * height * height;
+        fourth_powers += static_cast<double>(counts * (z_mm * z_mm)) * (z_mm * z_mm);
+        on_it += std::abs(height) < threshold;
       }
       if (on_it < 3) break;
-      const Eigen::Vector3d q = normal.ldlt().solve(right);
+      Eigen::Matrix3d normal;
+      normal << xx, xy, x_sum, xy, yy, y_sum, x_sum, y_sum, on_it;
+      const Eigen::Vector3d q = normal.ldlt().solve(Eigen::Vector3d(x_inverse, y_inverse, inverse_sum));
       if (!q.allFinite() || !(q.norm() > 0)) break;
       best.q = q.cast<float>();
     }
@@ -699,8 +702,16 @@ FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const
   frame.depth = &depth;
   frame.camera = camera;
   frame.label.resize(depth.z_mm.size());
-  std::transform(depth.z_mm.begin(), depth.z_mm.end(), frame.label.begin(),
-                 [](float z) { return z > 0 ? FramePieces::background : FramePieces::not_measured; });
+  static_assert(FramePieces::not_measured == 0 && FramePieces::background == 1);
+  const float* z_mm = depth.z_mm.data();
+  std::uint8_t* label = frame.label.data();
+  int measured = 0;
+#pragma omp simd reduction(+ : measured)
+  for (std::size_t p = 0; p < depth.z_mm.size(); ++p) {
+    label[p] = z_mm[p] > 0;
+    measured += z_mm[p] > 0;
+  }
+  frame.measured_pixels = measured;
   if (depth.z_mm.empty()) return frame;
 
   const Grid grid(depth, camera);

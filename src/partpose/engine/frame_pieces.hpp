@@ -56,6 +56,7 @@ struct FramePieces {
   Intrinsics camera;
   /// Of each pixel, row by row: 0: not measured; 1: background; else a piece.
   std::vector<std::uint8_t> label;
+  int measured_pixels = 0;
   std::vector<FrameObject> objects;  ///< largest first
   std::optional<FlatSurface> table;  ///< the dominant plane, where there is one
   /// So far what is in front grows over what is behind it. A stereo camera matches windows, which make neighbouring
