@@ -5,6 +5,7 @@
 #include "partpose/descriptor/crh.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 #include <limits>
 
@@ -13,6 +14,13 @@
 #endif
 
 namespace partpose {
+
+CellSet cells_with_surface(const SmallTemplate& cells) {
+  static_assert(SmallTemplate::cells == 64);
+  CellSet set = 0;
+  for (int i = 0; i < SmallTemplate::cells; ++i) set |= CellSet{cells.cell[i] < SmallTemplate::unknown} << i;
+  return set;
+}
 
 std::vector<int> spread_places(std::span<const Eigen::Vector3f> points, int count) {
   constexpr std::size_t enough = 240;
@@ -69,54 +77,87 @@ void AnchoredViews::add(int view, const PointCloud& seen, const Eigen::Isometry3
     const Eigen::Isometry3f turn = sight_from_camera.cast<float>();
     for (std::size_t i = 0; i < seen.size(); ++i) relative[i] = turn * seen.points[i];
     templates.push_back(halved(make_template(relative, 0, spacing_mm, scale)));
-    anchors.push_back({(sight_from_camera * camera_from_model).cast<float>(), static_cast<std::int16_t>(view)});
+    anchors.push_back({(sight_from_camera * camera_from_model).cast<float>(), static_cast<std::int16_t>(view),
+                       cells_with_surface(templates.back())});
   }
 }
 
-void explained_steps(const SmallTemplate& model, std::span<const SmallTemplate> scenes, int cap, int* out) {
+SceneCells::SceneCells(const SmallTemplate& scene, int cap) {
+  for (int i = 0; i < SmallTemplate::cells; ++i) {
+    const int y = scene.cell[i];
+    const bool is_unknown = y == SmallTemplate::unknown;
+    lower[i] = static_cast<std::uint8_t>(is_unknown ? 0 : y);
+    upper[i] = static_cast<std::uint8_t>(is_unknown ? 0 : std::min(y + cap, 255));
+  }
+}
+
+void explained_steps(const SmallTemplate& model, std::span<const SceneCells> scenes, std::uint32_t wanted, int cap,
+                     std::int16_t* out) {
+  constexpr int cells = SmallTemplate::cells;
+  // Where the model has no surface, no scene is farther than `lower`, nor nearer than `upper`.
+  static_assert(SmallTemplate::background == 255);
 #ifdef __AVX2__
-  static_assert(SmallTemplate::cells == 64);
+  static_assert(cells == 64);
   const __m256i limit = _mm256_set1_epi8(static_cast<char>(cap)), zero = _mm256_setzero_si256();
-  const __m256i unknown = _mm256_set1_epi8(static_cast<char>(SmallTemplate::unknown));
   const __m256i background = _mm256_set1_epi8(static_cast<char>(SmallTemplate::background));
-  constexpr int bias = 128;  // what is signed is summed as if it were not
-  const __m256i biased = _mm256_set1_epi8(static_cast<char>(bias));
-  const auto half = [](const SmallTemplate& of, int k) {
-    return _mm256_load_si256(reinterpret_cast<const __m256i*>(&of.cell[32 * k]));
+  const auto half = [](const std::array<std::uint8_t, cells>& of, int k) {
+    return _mm256_load_si256(reinterpret_cast<const __m256i*>(&of[32 * k]));
   };
-  const auto gains = [&](const __m256i& x, const __m256i& is_background, const __m256i& y) {
-    const __m256i farther = _mm256_min_epu8(_mm256_subs_epu8(y, x), limit);
-    const __m256i nearer = _mm256_min_epu8(_mm256_subs_epu8(x, y), limit);
-    const __m256i cost = _mm256_add_epi8(nearer, _mm256_add_epi8(farther, farther));
-    const __m256i silent = _mm256_or_si256(is_background, _mm256_cmpeq_epi8(y, unknown));
-    return _mm256_andnot_si256(silent, _mm256_sub_epi8(limit, cost));
+  const __m256i lower_0 = half(model.cell, 0), lower_1 = half(model.cell, 1);
+  const __m256i empty_0 = _mm256_cmpeq_epi8(lower_0, background), empty_1 = _mm256_cmpeq_epi8(lower_1, background);
+  const __m256i upper_0 = _mm256_andnot_si256(empty_0, _mm256_adds_epu8(lower_0, limit));
+  const __m256i upper_1 = _mm256_andnot_si256(empty_1, _mm256_adds_epu8(lower_1, limit));
+  const auto count = [](const __m256i& mask) {
+    return std::popcount(static_cast<std::uint32_t>(_mm256_movemask_epi8(mask)));
   };
-  const __m256i first = half(model, 0), second = half(model, 1);
-  const __m256i first_background = _mm256_cmpeq_epi8(first, background);
-  const __m256i second_background = _mm256_cmpeq_epi8(second, background);
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const __m256i both = _mm256_add_epi8(gains(first, first_background, half(scenes[i], 0)),
-                                         gains(second, second_background, half(scenes[i], 1)));
-    const __m256i sum = _mm256_sad_epu8(_mm256_xor_si256(both, biased), zero);
-    const __m128i halves = _mm_add_epi64(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
-    out[i] = _mm_cvtsi128_si32(_mm_add_epi64(halves, _mm_unpackhi_epi64(halves, halves))) - 32 * bias;
+  const int most = cap * (cells - count(empty_0) - count(empty_1));
+  const auto capped = [&](const __m256i& a, const __m256i& b) {
+    return _mm256_min_epu8(_mm256_subs_epu8(a, b), limit);
+  };
+  /// Four sums, each in the low 16 bits of 64.
+  const auto costs = [&](const SceneCells& scene) {
+    const __m256i farther =
+        _mm256_add_epi8(capped(half(scene.lower, 0), lower_0), capped(half(scene.lower, 1), lower_1));
+    const __m256i nearer =
+        _mm256_add_epi8(capped(upper_0, half(scene.upper, 0)), capped(upper_1, half(scene.upper, 1)));
+    return _mm256_sad_epu8(_mm256_add_epi8(nearer, _mm256_add_epi8(farther, farther)), zero);
+  };
+  std::size_t i = 0;
+  for (; i + 4 <= scenes.size(); i += 4) {
+    if ((wanted >> i & 15) == 0) continue;
+    const __m256i first = _mm256_or_si256(costs(scenes[i]), _mm256_slli_epi64(costs(scenes[i + 1]), 16));
+    const __m256i second = _mm256_or_si256(costs(scenes[i + 2]), _mm256_slli_epi64(costs(scenes[i + 3]), 16));
+    const __m256i four = _mm256_or_si256(first, _mm256_slli_epi64(second, 32));
+    const __m128i halves = _mm_add_epi16(_mm256_castsi256_si128(four), _mm256_extracti128_si256(four, 1));
+    const __m128i cost = _mm_add_epi16(halves, _mm_unpackhi_epi64(halves, halves));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(out + i),
+                     _mm_sub_epi16(_mm_set1_epi16(static_cast<short>(most)), cost));
+  }
+  for (; i < scenes.size(); ++i) {
+    const __m256i four = costs(scenes[i]);
+    const __m128i halves = _mm_add_epi16(_mm256_castsi256_si128(four), _mm256_extracti128_si256(four, 1));
+    out[i] =
+        static_cast<std::int16_t>(most - _mm_cvtsi128_si32(_mm_add_epi16(halves, _mm_unpackhi_epi64(halves, halves))));
   }
 #else
   for (std::size_t k = 0; k < scenes.size(); ++k) {
-    int sum = 0;
-    for (int i = 0; i < SmallTemplate::cells; ++i) {
-      const int x = model.cell[i], y = scenes[k].cell[i];
-      if (x == SmallTemplate::background || y == SmallTemplate::unknown) continue;
-      sum += cap - std::min(std::max(x - y, 0), cap) - 2 * std::min(std::max(y - x, 0), cap);
+    if ((wanted >> k & 1) == 0) continue;
+    int steps = 0;
+    for (int i = 0; i < cells; ++i) {
+      const bool is_surface = model.cell[i] != SmallTemplate::background;
+      const int lower = model.cell[i], upper = is_surface ? lower + cap : 0;
+      steps += (is_surface ? cap : 0) - 2 * std::clamp(scenes[k].lower[i] - lower, 0, cap) -
+               std::clamp(upper - scenes[k].upper[i], 0, cap);
     }
-    out[k] = sum;
+    out[k] = static_cast<std::int16_t>(steps);
   }
 #endif
 }
 
 int explained_steps(const SmallTemplate& model, const SmallTemplate& scene, int cap) {
-  int steps = 0;
-  explained_steps(model, {&scene, 1}, cap, &steps);
+  const SceneCells cells(scene, cap);
+  std::int16_t steps = 0;
+  explained_steps(model, {&cells, 1}, 1, cap, &steps);
   return steps;
 }
 

@@ -7,11 +7,16 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace partpose {
+
+/// Cells of a SmallTemplate: one bit each.
+using CellSet = std::uint64_t;
+CellSet cells_with_surface(const SmallTemplate& cells);
 
 /// Views of a part about places on its surface, in place of its middle: of a part that is partly hidden, or that
 /// touches another, the middle is not known, but some place on it is.
@@ -22,6 +27,7 @@ struct AnchoredViews {
     /// Model frame to sight frame: origin in the place, z along the line of sight through it.
     Eigen::Isometry3f sight_from_model = Eigen::Isometry3f::Identity();
     std::int16_t view = 0;
+    CellSet surface = 0;  ///< of its template
   };
   std::vector<Anchor> anchors;
   std::vector<SmallTemplate> templates;  ///< about each anchor
@@ -44,7 +50,23 @@ Eigen::Vector3d local_mean(std::span<const Eigen::Vector3f> points, const Eigen:
 /// scene is unknown.
 int explained_steps(const SmallTemplate& model, const SmallTemplate& scene, int cap);
 
-/// The same of several scenes; `cap` at most 63.
-void explained_steps(const SmallTemplate& model, std::span<const SmallTemplate> scenes, int cap, int* out);
+/// A scene's template such that what a model's surface gains is `cap` less two capped differences.
+struct SceneCells {
+  SceneCells() = default;
+  SceneCells(const SmallTemplate& scene, int cap);
+  alignas(32) std::array<std::uint8_t, SmallTemplate::cells> lower;  ///< farther than the model's by so much
+  alignas(32) std::array<std::uint8_t, SmallTemplate::cells> upper;  ///< nearer by so much, `cap` added; 0: unknown
+};
+
+/// By how many cells of its surface a model is explained at most, whatever its depths, in full steps of `cap`: it has
+/// `surface` of them, `seen` where the scene has a surface as well, and as many as possible of the others fall on the
+/// scene's `unknown` cells, where nothing speaks against it.
+inline int most_explained_cells(int surface, int seen, int unknown) {
+  return seen - std::max(surface - seen - unknown, 0);
+}
+
+/// explained_steps() of several scenes; `cap` at most 40. Those whose bit in `wanted` is 0 may be left out.
+void explained_steps(const SmallTemplate& model, std::span<const SceneCells> scenes, std::uint32_t wanted, int cap,
+                     std::int16_t* out);
 
 }  // namespace partpose

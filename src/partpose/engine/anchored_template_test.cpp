@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 
 namespace partpose {
 namespace {
@@ -42,6 +43,21 @@ TEST(ExplainedSteps, IsTheSumOverTheCells) {
       expected += y > x ? cap - 2 * std::min(y - x, cap) : cap - std::min(x - y, cap);
     }
     EXPECT_EQ(explained_steps(model, scene, cap), expected);
+    const CellSet surface = cells_with_surface(model), seen = cells_with_surface(scene);
+    const auto unknown = std::count(scene.cell.begin(), scene.cell.end(), SmallTemplate::unknown);
+    EXPECT_LE(expected, cap * most_explained_cells(std::popcount(surface), std::popcount(surface & seen),
+                                                   static_cast<int>(unknown)));
+  }
+}
+
+TEST(MostExplainedCells, AreThoseOfTheModelThatFitsBest) {
+  SmallTemplate scene = filled(SmallTemplate::background);
+  std::fill_n(scene.cell.begin(), 10, 100);
+  std::fill_n(scene.cell.begin() + 10, 5, SmallTemplate::unknown);
+  for (const int surface : {0, 4, 10, 13, 15, 20, 64}) {
+    SmallTemplate model = filled(SmallTemplate::background);
+    std::fill_n(model.cell.begin(), surface, 100);
+    EXPECT_EQ(cap * most_explained_cells(surface, std::min(surface, 10), 5), explained_steps(model, scene, cap));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -25,7 +26,10 @@ constexpr int rolls = 24;
 /// The surroundings of a place at each turn, for parts of one size.
 struct TurnedWindow {
   Eigen::Vector3d centre_mm;  ///< camera frame
-  std::array<SmallTemplate, rolls> cells;
+  std::array<SceneCells, rolls> cells;
+  std::array<CellSet, rolls> seen;                           ///< where there is a surface
+  std::array<int, rolls> unknown;                            ///< number of cells
+  std::array<int, SmallTemplate::cells + 1> most_explained;  ///< by the number of a model's surface cells, at any turn
 };
 
 /// What is measured around the place: the table counts as background, and what is another part's as so much nearer that
@@ -59,6 +63,7 @@ TurnedWindow turned_window(const FramePieces& frame, const FrameObject& rest, co
   TurnedWindow out;
   out.centre_mm = centre_mm;
   constexpr int quarter = rolls / 4;
+  std::array<SmallTemplate, rolls> turned;
   for (int k = 0; k < quarter; ++k) {
     const double roll_rad = 2 * std::numbers::pi * k / rolls;
     DepthTemplate cells = make_template(relative, roll_rad, step / px_per_mm, scale);
@@ -73,10 +78,33 @@ TurnedWindow turned_window(const FramePieces& frame, const FrameObject& rest, co
       if (u < 0 || v < 0 || u >= depth.width || v >= depth.height || !(depth.at(u, v) > 0))
         cells.cell[i] = DepthTemplate::unknown;
     }
-    out.cells[k] = halved(cells);
+    turned[k] = halved(cells);
   }
-  for (int k = quarter; k < rolls; ++k) out.cells[k] = quarter_turned(out.cells[k - quarter]);
+  for (int k = quarter; k < rolls; ++k) turned[k] = quarter_turned(turned[k - quarter]);
+  out.most_explained.fill(0);
+  for (int k = 0; k < rolls; ++k) {
+    out.cells[k] = SceneCells(turned[k], scale.cap);
+    out.seen[k] = cells_with_surface(turned[k]);
+    const auto& cells = turned[k].cell;
+    out.unknown[k] = static_cast<int>(std::count(cells.begin(), cells.end(), SmallTemplate::unknown));
+    for (int surface = 0; surface <= SmallTemplate::cells; ++surface)
+      out.most_explained[surface] =
+          std::max(out.most_explained[surface],
+                   most_explained_cells(surface, std::min(surface, std::popcount(out.seen[k])), out.unknown[k]));
+  }
   return out;
+}
+
+/// Where so many cells of a model with this surface may be explained: a bit for each turn.
+std::uint32_t promising_turns(const TurnedWindow& window, CellSet surface, int least_cells) {
+  const int count = std::popcount(surface);
+  if (window.most_explained[count] < least_cells) return 0;
+  std::uint32_t turns = 0;
+  for (int k = 0; k < rolls; ++k) {
+    const int seen = std::popcount(surface & window.seen[k]);
+    turns |= std::uint32_t{most_explained_cells(count, seen, window.unknown[k]) >= least_cells} << k;
+  }
+  return turns;
 }
 
 /// An anchored view at a turn.
@@ -180,11 +208,15 @@ void refine_each(std::vector<Hypothesis>& hypotheses, std::span<const PartModel*
         const PartModel& model = *models[h.part];
         const Eigen::Vector3f middle = (h.camera_from_model * model.middle_mm).cast<float>();
         const auto reach = static_cast<float>(0.55 * model.diameter_mm);
-        std::vector<Eigen::Vector3f> near, some;
-        for (const auto& p : points)
-          if ((p - middle).squaredNorm() < reach * reach) near.push_back(p);
-        const std::size_t taken = std::min(near.size(), probes);
-        for (std::size_t k = 0; k < taken; ++k) some.push_back(near[(2 * k + 1) * near.size() / (2 * taken)]);
+        std::vector<int> near(points.size());
+        std::size_t count = 0;
+        for (std::size_t p = 0; p < points.size(); ++p) {
+          near[count] = static_cast<int>(p);
+          count += (points[p] - middle).squaredNorm() < reach * reach;
+        }
+        const std::size_t taken = std::min(count, probes);
+        std::vector<Eigen::Vector3f> some(taken);
+        for (std::size_t k = 0; k < taken; ++k) some[k] = points[near[(2 * k + 1) * count / (2 * taken)]];
         const double end_mm = std::max(end_share * model.diameter_mm, noise_mm);
         const auto refined = refine_on_field(model.field, h.camera_from_model, ProbePoints(some),
                                              {.start_scale_mm = std::max(start_share * model.diameter_mm, end_mm),
@@ -641,16 +673,19 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
       const auto mm2_per_step = static_cast<float>(4 * model.scale.cell_mm * model.scale.cell_mm / model.scale.cap);
       const TurnedWindow& window = windows.at(model.scale.cell_mm)[s];
       std::vector<Look> looks;
-      std::array<int, rolls> steps;
+      std::array<std::int16_t, rolls> steps;
       int least = 1;
       for (std::size_t a = 0; a < model.anchored.templates.size(); ++a) {
-        explained_steps(model.anchored.templates[a], window.cells, model.scale.cap, steps.data());
+        const std::uint32_t promising =
+            promising_turns(window, model.anchored.anchors[a].surface, (least + model.scale.cap - 1) / model.scale.cap);
+        if (promising == 0) continue;
+        explained_steps(model.anchored.templates[a], window.cells, promising, model.scale.cap, steps.data());
         for (int k = 0; k < rolls; ++k)
-          if (steps[k] >= least)
+          if ((promising >> k & 1) != 0 && steps[k] >= least)
             looks.push_back({mm2_per_step * static_cast<float>(steps[k]), static_cast<std::int32_t>(part),
                              static_cast<std::int32_t>(a), static_cast<std::int16_t>(s), static_cast<std::int8_t>(k)});
         // What is worse than the best so far need not be kept.
-        if (looks.size() < 20 * most_per_part) continue;
+        if (looks.size() < 4 * most_per_part) continue;
         keep_best(looks, most_per_part);
         const auto worst = std::max_element(looks.begin(), looks.end());
         least = static_cast<int>(worst->mm2 / mm2_per_step);
