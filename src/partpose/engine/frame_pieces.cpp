@@ -694,7 +694,7 @@ float FlatSurface::most_bend_mm(const Intrinsics& camera) const {
 }
 
 float FlatSurface::height_mm(const Eigen::Vector3f& ray, float z_mm) const {
-  return RowHeights(*this, ray.y())(ray.x(), z_mm);
+  return (1 - z_mm * q.dot(ray)) / q.norm() - bend_mm_at(ray.x(), ray.y());
 }
 
 FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const FramePiecesOptions& options) {

@@ -44,6 +44,16 @@ struct FlatSurface {
 
   /// The polynomial at one y, by its powers of x.
   std::array<float, degree + 1> bend_along_x(float ray_y) const;
+  /// The polynomial at one place.
+  float bend_mm_at(float ray_x, float ray_y) const {
+    float bent = 0;
+    for (int j = degree, k = terms; j >= 0; --j) {
+      float along_x = 0;
+      for (int i = degree - j; i >= 0; --i) along_x = along_x * ray_x + bend_mm[--k];
+      bent = bent * ray_y + along_x;
+    }
+    return bent;
+  }
   /// No less than its bend anywhere in the camera's image.
   float most_bend_mm(const Intrinsics& camera) const;
   /// How far a point lies on the camera's side; `ray` is the point over its z.

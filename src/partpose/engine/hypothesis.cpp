@@ -206,20 +206,23 @@ std::optional<double> height_above_table_mm(const FramePieces& frame, const Part
   const Eigen::Isometry3f pose = camera_from_model.cast<float>();
   const auto fx = static_cast<float>(frame.camera.fx), fy = static_cast<float>(frame.camera.fy);
   const auto cx = static_cast<float>(frame.camera.cx), cy = static_cast<float>(frame.camera.cy);
-  // What is higher above the plane than the lowest by more than the bend can make up for is not the lowest.
-  const Eigen::Vector3f normal = frame.table->q / frame.table->q.norm();
-  const float offset_mm = 1 / frame.table->q.norm(), most_bend_mm = frame.table->most_bend_mm(frame.camera);
+  const FlatSurface& table = *frame.table;
+  const float offset_mm = 1 / table.q.norm(), most_bend_mm = table.most_bend_mm(frame.camera);
+  const Eigen::Vector3f normal = table.q * offset_mm, normal_in_model = pose.linear().transpose() * normal;
+  const float origin_on_plane_mm = offset_mm - normal.dot(pose.translation());
   std::optional<double> lowest_mm;
-  float lowest_on_plane_mm = std::numeric_limits<float>::infinity();
+  // What is higher above the plane than the lowest by more than the bend can make up for is not the lowest.
+  float highest_on_plane_mm = std::numeric_limits<float>::infinity();
   for (const auto& p : model.samples_mm) {
+    const float on_plane_mm = origin_on_plane_mm - normal_in_model.dot(p);
+    if (on_plane_mm > highest_on_plane_mm) continue;
     const Eigen::Vector3f q = pose * p;
-    const float on_plane_mm = offset_mm - normal.dot(q);
-    if (on_plane_mm > lowest_on_plane_mm + 2 * most_bend_mm || !(q.z() > 1)) continue;
-    const Eigen::Vector3f ray = q / q.z();
-    const float u = fx * ray.x() + cx, v = fy * ray.y() + cy;
+    if (!(q.z() > 1)) continue;
+    const float ray_x = q.x() / q.z(), ray_y = q.y() / q.z();
+    const float u = fx * ray_x + cx, v = fy * ray_y + cy;
     if (!(u >= 0 && v >= 0 && u < frame.camera.width && v < frame.camera.height)) continue;
-    lowest_on_plane_mm = std::min(lowest_on_plane_mm, on_plane_mm);
-    const double height_mm = frame.table->height_mm(ray, q.z());
+    highest_on_plane_mm = std::min(highest_on_plane_mm, on_plane_mm + 2 * most_bend_mm);
+    const double height_mm = on_plane_mm - table.bend_mm_at(ray_x, ray_y);
     if (!lowest_mm || height_mm < *lowest_mm) lowest_mm = height_mm;
   }
   return lowest_mm;
