@@ -293,10 +293,11 @@ Beyond beyond_outline(const DepthImage& rendered, int reach_px, int stride) {
         const int edge = nearest[p] = nearest[from];
         next.push_back(p);
         const int edge_u = edge % width, edge_v = edge / width;
-        const auto distance = static_cast<float>(std::hypot(u - edge_u, v - edge_v));
+        const int across = u - edge_u, down = v - edge_v;
+        const auto distance = static_cast<float>(std::sqrt(double(across * across + down * down)));
         const auto inverse_within = [&](int px) {
-          const int uu = edge_u + static_cast<int>(std::lround(px * (edge_u - u) / distance));
-          const int vv = edge_v + static_cast<int>(std::lround(px * (edge_v - v) / distance));
+          const int uu = edge_u + static_cast<int>(std::lround(-px * across / distance));
+          const int vv = edge_v + static_cast<int>(std::lround(-px * down / distance));
           return uu >= 0 && vv >= 0 && uu < width && vv < rendered.height && rendered.at(uu, vv) > 0
                      ? 1 / rendered.at(uu, vv)
                      : 0.0f;
@@ -311,6 +312,24 @@ Beyond beyond_outline(const DepthImage& rendered, int reach_px, int stride) {
       }
   }
   return out;
+}
+
+/// Of each pixel whether something is rendered within `reach` of it: along the rows, then across them.
+std::vector<std::uint8_t> near_rendered(const DepthImage& rendered, int reach) {
+  const int width = rendered.width, height = rendered.height;
+  std::vector<std::uint8_t> along(rendered.z_mm.size(), 0), near(rendered.z_mm.size(), 0);
+  for (int v = 0; v < height; ++v) {
+    const float* row = &rendered.z_mm[static_cast<std::size_t>(v) * width];
+    std::uint8_t* out = &along[static_cast<std::size_t>(v) * width];
+    for (int shift = -reach; shift <= reach; ++shift)
+      for (int u = std::max(-shift, 0); u < std::min(width - shift, width); ++u) out[u] |= row[u + shift] > 0;
+  }
+  for (int v = 0; v < height; ++v) {
+    std::uint8_t* out = &near[static_cast<std::size_t>(v) * width];
+    for (int from = std::max(v - reach, 0); from <= std::min(v + reach, height - 1); ++from)
+      for (int u = 0; u < width; ++u) out[u] |= along[static_cast<std::size_t>(from) * width + u];
+  }
+  return near;
 }
 
 /// Finds one part after the other in what is left.
@@ -434,7 +453,8 @@ class Separation {
     PartWindow window = window_of(frame_, rest, model, pose, wanted_pixels, beyond_px + 1);
     const int reach = (outline_px + window.stride - 1) / window.stride;
     const int ring = (ring_px + window.stride - 1) / window.stride;
-    const DepthImage rendered = render(model.outline, pose, window.frame.camera).depth;
+    const DepthImage rendered = render_depth(model.outline, pose, window.frame.camera, model.outline.faces);
+    const std::vector<std::uint8_t> is_near = near_rendered(rendered, reach);
     const Beyond beyond = beyond_outline(rendered, beyond_px, window.stride);
     trial.conflicts = trial.outline = trial.no_outline = trial.goes_on = trial.covered = 0;
     for (int v = 0; v < rendered.height; ++v)
@@ -454,19 +474,15 @@ class Separation {
                                                              3 * noise_at(trial.hypothesis);
         trial.no_outline += is_ring && goes_on && (label == PixelLabel::object || is_piece(window, p));
         trial.goes_on += is_ring && goes_on && label == PixelLabel::object;
-        if (label != PixelLabel::object || goes_on) continue;
-        bool near = false;
-        for (int vv = std::max(v - reach, 0); vv <= std::min(v + reach, rendered.height - 1) && !near; ++vv)
-          for (int uu = std::max(u - reach, 0); uu <= std::min(u + reach, rendered.width - 1) && !near; ++uu)
-            near = rendered.at(uu, vv) > 0;
-        if (!near) label = PixelLabel::nothing;
+        if (label == PixelLabel::object && !goes_on && !is_near[p]) label = PixelLabel::nothing;
       }
     const SensorModel sensor{.noise_mm = noise_at(trial.hypothesis),
                              .outline_px = reach,
                              .growth_px = frame_.foreground_growth_px / window.stride,
                              .edge_mm = frame_.edge_mm(middle_of(trial.hypothesis).z()),
                              .size_mm = largest_mm_};
-    trial.comparison = compare_depth(model.outline, pose, window.frame, sensor);
+    trial.comparison = DepthComparer(window.frame, sensor)(
+        model.outline, pose, model.covered(window.frame.camera, pose), model.outline.faces);
     constexpr double conflict_cost = 6;  // the comparison counts up to 3 for a pixel that was taken for the table
     trial.gain = (trial.comparison.log_likelihood - trial.comparison.object * std::log(sensor.outlier) -
                   conflict_cost * trial.conflicts) *
@@ -488,9 +504,11 @@ class Separation {
     PartWindow window = window_of(frame_, rest, model, trial.hypothesis.camera_from_model, wanted_pixels, outline_px);
     for (std::size_t p = 0; p < window.frame.label.size(); ++p)
       if (window.frame.label[p] != PixelLabel::object) window.frame.depth.z_mm[p] = 0;
-    const auto refined = refine_projectively(
-        model.surface, trial.hypothesis.camera_from_model, window.frame.depth, window.frame.camera,
-        {.gate_mm = static_cast<float>(std::max(6 * noise_at(trial.hypothesis), 2.0)), .max_iterations = 3});
+    const auto refined =
+        refine_projectively(model.surface, trial.hypothesis.camera_from_model, window.frame.depth, window.frame.camera,
+                            {.gate_mm = static_cast<float>(std::max(6 * noise_at(trial.hypothesis), 2.0)),
+                             .max_iterations = 3,
+                             .faces = model.surface.faces});
     if (!std::isfinite(refined.rms_mm)) return;
     trial.hypothesis.camera_from_model = refined.camera_from_model;
     compare(trial, rest);
@@ -509,7 +527,8 @@ class Separation {
     FrameObject rest;
     rest.labels = labels_;
     const PartWindow window = window_of(frame_, rest, model, h.camera_from_model, 0, outline_px + 1);
-    const DepthImage rendered = render(model.surface, h.camera_from_model, window.frame.camera).depth;
+    const DepthImage rendered =
+        render_depth(model.surface, h.camera_from_model, window.frame.camera, model.surface.faces);
     const auto limit_mm = static_cast<float>(4 * noise_at(h));
     std::array<int, 256> from{};
     for (int v = 0; v < rendered.height; ++v)
@@ -559,8 +578,9 @@ class Separation {
       const Hypothesis& h = parts[i].hypotheses[0];
       const PartModel& model = *models_[h.part];
       const PartWindow window = window_of(frame_, rest, model, h.camera_from_model, 0, far_beyond_px + 1);
-      const DepthImage beyond =
-          beyond_outline(render(model.surface, h.camera_from_model, window.frame.camera).depth, far_beyond_px, 1).depth;
+      const DepthImage rendered =
+          render_depth(model.surface, h.camera_from_model, window.frame.camera, model.surface.faces);
+      const DepthImage beyond = beyond_outline(rendered, far_beyond_px, 1).depth;
       for (int v = 0; v < beyond.height; ++v)
         for (int u = 0; u < beyond.width; ++u)
           if (window.frame.label[static_cast<std::size_t>(v) * beyond.width + u] == PixelLabel::object &&
