@@ -147,6 +147,10 @@ if python3 "$root/tests/make_broken_cad.py" many >counts.txt; then
   [ "$(wc -l <many.jsonl)" -eq 1 ] || fail "recognize: no line for the frame"
   grep -q '"name": "good_binary"' many_set/dataset.json || fail "dataset: the good parts are not used"
 fi
+mkdir metres
+printf 'solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nfacet normal 0 1 0\nouter loop\nvertex 0 0 0\nvertex 0 0 0.1\nvertex 0.1 0 0\nendloop\nendfacet\nendsolid s\n' >metres/wedge.stl
+good "a part in metres" recognize --models metres "$frame"
+grep -q 'wedge.stl: is 0.1[0-9]* mm across; is it in metres' err.txt || fail "a part in metres: $(cat err.txt)"
 good "inspect" inspect parts/link.stl --json
 grep -q '"watertight": true' out.txt || fail "inspect: $(head -c 300 out.txt)"
 good "inspect with views" inspect parts/bracket.stl --views --subdivide 0
@@ -376,6 +380,10 @@ for recognizer in engine recognizer; do
   good "captured by the $recognizer" captured "$root/scenes" --models "$root/parts" --kind instance --recognizer $recognizer --json
   grep -q '"pose_right"' out.txt || fail "captured --json: $(head -c 300 out.txt)"
 done
+good "a higher score is asked for" recognize --models parts --min-score 1 --json "$frame"
+grep -q '"model_name":null.*below 1.00' out.txt || fail "recognize --min-score: $(head -c 300 out.txt)"
+bad "a score beyond 1" "must be 0 to 1" recognize --models parts --min-score 2 "$frame"
+bad "a kind that no scene has" "its kinds are" captured "$root/scenes" --models "$root/parts" --kind instanc
 bad "unknown recognizer" "magic" recognize --models parts --recognizer magic "$frame"
 bad "recognizer and configuration" "exclude" recognize --dataset dataset --config clouds.json --recognizer engine s.pcd
 bad "lines twice" "give one of them" recognize --models parts --json --jsonl lines.jsonl "$frame"

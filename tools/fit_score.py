@@ -43,6 +43,8 @@ FEATURES = {
     "sqrt(unexplained)": lambda e: math.sqrt(e["unexplained"]),
     "farther": lambda e: e["farther"],
     "free_space": lambda e: e["free_space"],
+    "not_measured": lambda e: e["not_measured"],
+    "beside": lambda e: e["beside"],
     "log(max(noise, 0.008))": lambda e: math.log(max(e["noise"], 0.008)),
     "clamp(height, 0, 0.3)": lambda e: min(max(e["height"], 0), 0.3),
     "clamp(height_deviations, 0, 10)": lambda e: min(max(e["height_deviations"], 0), 10),

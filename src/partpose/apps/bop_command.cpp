@@ -153,12 +153,11 @@ void add_bop_commands(CLI::App& app, const Common& common) {
       ->add_option("-o,--output", recognize_arguments->output,
                    "Results file; the toolkit wants METHOD_DATASET-SPLIT.csv, without _ in METHOD")
       ->required();
-  recognize_command->add_option("--min-score", recognize_arguments->min_score,
-                                "A candidate below is not believed, 0 to 1 (default: the recognizer's own)");
+  add_min_score_option(*recognize_command, recognize_arguments->min_score);
   add_recognizer_option(*recognize_command, recognize_arguments->recognizer);
   recognize_command->add_flag("--json", recognize_arguments->json, "Print the counts as JSON");
   recognize_command->add_option("--cache", recognize_arguments->cache,
-                                "Where catalogues of the models are kept (default: ~/.cache/partpose)");
+                                "Where catalogues for --recognizer recognizer are kept (default: ~/.cache/partpose)");
   recognize_command->footer("Example:\n  partpose bop recognize toy/ --split test --output partpose_toy-test.csv");
   recognize_command->callback([recognize_arguments, &common] { recognize(*recognize_arguments, common); });
 

@@ -21,6 +21,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 namespace partpose::apps {
 
@@ -31,6 +32,7 @@ namespace fs = std::filesystem;
 struct CapturedArguments {
   fs::path set, models, cache, jsonl, output, pictures;
   std::vector<std::string> kinds;
+  std::optional<float> min_score;
   std::string recognizer = default_recognizer;
   bool json = false;
   double limit_deg = 15;
@@ -110,6 +112,16 @@ void check_models_are_known(const CapturedSet& set, const Catalogue& catalogue) 
                   nearest_word(scene.model_name, names));
 }
 
+/// A kind that no scene has is more likely a slip.
+void check_kinds_are_known(const CapturedSet& set, const std::vector<std::string>& wanted) {
+  std::set<std::string> kinds;
+  for (const auto& scene : set.scenes) kinds.insert(scene.kind);
+  for (const auto& kind : wanted)
+    if (!kinds.count(kind))
+      throw Error("--kind {}: {} has no scene of it; its kinds are {}", kind, (set.folder / "gt.json").string(),
+                  fmt::join(kinds, ", "));
+}
+
 /// {"frames": [...], "kinds": {KIND: {"frames": n, "right": n, ...}}}
 Json json_of(Json lines, const std::map<std::string, Count>& count_of_kind) {
   Json all = {{"frames", std::move(lines)}, {"kinds", Json::object()}};
@@ -122,8 +134,8 @@ Json json_of(Json lines, const std::map<std::string, Count>& count_of_kind) {
 void evaluate_captured(const CapturedArguments& arguments, const Common& common) {
   const CapturedSet set = read_captured_set(arguments.set);
   const auto parts = read_parts({arguments.models.empty() ? arguments.set / "models" : arguments.models}, {}, common);
-  const auto chosen =
-      make_recognizer(arguments.recognizer, catalogue_for(arguments.recognizer, parts, arguments.cache, common));
+  const auto chosen = make_recognizer(
+      arguments.recognizer, catalogue_for(arguments.recognizer, parts, arguments.cache, common), arguments.min_score);
   const PartRecognizer& recognizer = *chosen;
   const Unfinished frame;  // each is finished before a signal counts
   std::optional<std::ofstream> jsonl;
@@ -131,6 +143,7 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
   if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
 
   PictureNames picture_names(arguments.pictures);
+  check_kinds_are_known(set, arguments.kinds);
   check_models_are_known(set, recognizer.catalogue());
   std::map<std::string, Count> count_of_kind;
   Json lines = Json::array();
@@ -190,7 +203,9 @@ void add_captured_command(CLI::App& app, const Common& common) {
   captured->add_option("--pictures", arguments->pictures,
                        "Write a picture of each scene with the part drawn over it here");
   add_recognizer_option(*captured, arguments->recognizer);
-  captured->add_option("--cache", arguments->cache, "Where catalogues are kept (default: ~/.cache/partpose)");
+  add_min_score_option(*captured, arguments->min_score);
+  captured->add_option("--cache", arguments->cache,
+                       "Where catalogues for --recognizer recognizer are kept (default: ~/.cache/partpose)");
   captured->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")
       ->capture_default_str();
   captured->add_option("--limit-mm", arguments->limit_mm, "A pose is right below this translation error")

@@ -48,15 +48,15 @@ void run(const ExperimentArguments& arguments, const Common& common) {
     return;
   }
   fmt::print("{:<60} {:>6} {:>9} {:>11} {:>11} {:>12} {:>12} {:>10}\n", "run", "frames", "correct %", "incorrect %",
-             "no result %", "pose right %", "seen right %", "median ms");
+             "no result %", "limits %", "pose right %", "median ms");
   for (const auto& s : summarize_runs(records, spec)) {
     fmt::print("{:<60} {:>6} {:>9.1f} {:>11.1f} {:>11.1f} {:>12.1f} {:>12.1f} {:>10.1f}\n", s.run, s.frames,
                s.percent(s.correct), s.percent(s.wrong), s.percent(s.none), s.percent(s.pose_right),
                s.percent(s.seen_right), quantile(s.times_ms, 0.5));
   }
   fmt::print(
-      "pose right: within {:g} deg and {:g} mm, symmetry ignored; seen right: MSSD below 10 % of the diameter up to "
-      "symmetry, or part and pose that the camera cannot tell from the truth; of all frames\n",
+      "pose right: MSSD below 10 % of the diameter up to symmetry, or part and pose that the camera cannot tell from "
+      "the truth; limits: within {:g} deg and {:g} mm, symmetry ignored; of all frames\n",
       spec.limit_deg, spec.limit_mm);
   fmt::print("Tables and plots: {}\n", (arguments.output / "tables.md").string());
 }

@@ -74,8 +74,8 @@ std::vector<std::string> warnings_of(const NamedMesh& part, const PartReport& re
     const double factor = mm_per_unit(mesh.unit_guess);
     const char* option = mesh.unit_guess == "metre" ? "m" : mesh.unit_guess == "inch" ? "in" : "um";
     out.push_back(
-        fmt::format("{:.4g} mm across: is it in {}s? Then it is {:.4g} mm; convert with --unit {} --repair OUT.stl",
-                    mesh.diagonal_mm, mesh.unit_guess, mesh.diagonal_mm * factor, option));
+        fmt::format("{:.4g} mm across: is it in {}? Then it is {:.4g} mm; convert with --unit {} --repair OUT.stl",
+                    mesh.diagonal_mm, plural_of_unit(mesh.unit_guess), mesh.diagonal_mm * factor, option));
   } else if (!mesh.unit_guess.empty()) {
     out.push_back(fmt::format("{:.4g} mm across by the unit that the file states ({}): is that right?",
                               mesh.diagonal_mm, part.unit));

@@ -258,8 +258,9 @@ void add_live_command(CLI::App& app, const Common& common) {
       ->required();
   live->add_option("-m,--models", arguments->models, part_files_help)->required();
   add_recognizer_option(*live, arguments->recognizer);
-  live->add_option("--min-score", arguments->min_score, "A candidate below is not believed, 0 to 1");
-  live->add_option("--cache", arguments->cache, "Where catalogues are kept (default: ~/.cache/partpose)");
+  add_min_score_option(*live, arguments->min_score);
+  live->add_option("--cache", arguments->cache,
+                   "Where catalogues for --recognizer recognizer are kept (default: ~/.cache/partpose)");
   live->add_flag("--json", arguments->json, "Print one JSON line for each frame");
   live->add_option("--jsonl", arguments->jsonl, "Append one JSON line for each frame to this file");
   live->add_option("--frames", arguments->frames, "End after so many frames")->check(CLI::PositiveNumber);

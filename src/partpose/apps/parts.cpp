@@ -5,6 +5,7 @@
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
+#include "partpose/geometry/mesh_inspection.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -25,15 +26,22 @@ void add_reading_options(CLI::App& command, MeshReadOptions& options) {
       ->capture_default_str();
 }
 
+std::string plural_of_unit(const std::string& unit) { return unit + (unit == "inch" ? "es" : "s"); }
+
 std::vector<NamedMesh> read_parts(const std::vector<std::filesystem::path>& files_and_folders,
                                   const MeshReadOptions& options, const Common& common) {
   auto parts = read_meshes(files_and_folders, options, [&](const std::filesystem::path&, const std::string& message) {
     ++common.failures;
     complain(message);
   });
-  for (const auto& part : parts)
+  for (const auto& part : parts) {
+    const double diagonal_mm = bounding_box_diagonal(part.mesh);
+    if (const std::string guess = guess_unit(diagonal_mm); part.unit.empty() && !guess.empty())
+      complain(fmt::format("{}: is {:.4g} mm across; is it in {}? partpose inspect tells more, and converts it",
+                           part.file.string(), diagonal_mm, plural_of_unit(guess)));
     note(common, fmt::format("{}: {}, {} triangles{}", part.file.string(), part.name, part.mesh.triangles.size(),
                              part.unit.empty() ? "" : ", file in " + part.unit));
+  }
   return parts;
 }
 

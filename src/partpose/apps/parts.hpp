@@ -17,6 +17,9 @@ inline constexpr const char* part_files_help = "Model files (STL, STEP, OBJ, PLY
 /// --chord-tolerance, --angle-tolerance, --split.
 void add_reading_options(CLI::App& command, MeshReadOptions& options);
 
+/// Of one of guess_unit's.
+std::string plural_of_unit(const std::string& unit);
+
 /// The parts of files and folders. Of a file that cannot be read, one line goes to standard error, and it is counted in
 /// `common.failures`; the others are used. Throws Error when none is left.
 std::vector<NamedMesh> read_parts(const std::vector<std::filesystem::path>& files_and_folders,

@@ -70,8 +70,11 @@ Json detections_of(const Recognition& recognition, const Catalogue& catalogue) {
 
 std::string certainty_text(float score, const Detection* detection) {
   std::string text;
-  if (score >= 0) text += fmt::format(", score {:.2f}", score);
-  if (detection && states_certainty(*detection)) text += fmt::format(", confidence {:.2f}", detection->confidence);
+  // Nothing is certain.
+  const auto shown = [](double probability) { return std::min(probability, 0.99); };
+  if (score >= 0) text += fmt::format(", score {:.2f}", shown(score));
+  if (detection && states_certainty(*detection))
+    text += fmt::format(", confidence {:.2f}", shown(detection->confidence));
   return text;
 }
 

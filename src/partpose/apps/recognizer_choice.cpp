@@ -23,6 +23,11 @@ CLI::Option* add_recognizer_option(CLI::App& command, std::string& name) {
       ->capture_default_str();
 }
 
+CLI::Option* add_min_score_option(CLI::App& command, std::optional<float>& min_score) {
+  return command.add_option("--min-score", min_score,
+                            "A candidate below is not believed, 0 to 1 (default: the recognizer's own)");
+}
+
 std::unique_ptr<PartRecognizer> make_recognizer(const std::string& name, Catalogue catalogue,
                                                 std::optional<float> min_score) {
   if (name == "engine") {
@@ -48,8 +53,10 @@ void add_recognizer_arguments(CLI::App& command, RecognizerArguments& arguments)
                          "Pipeline JSON: run exactly that pipeline on the dataset (default: nothing to configure)");
   add_set_option(command, arguments.overrides);
   add_recognizer_option(command, arguments.recognizer)->excludes(config);
+  add_min_score_option(command, arguments.min_score)->excludes(config);
   add_reading_options(command, arguments.reading);
-  command.add_option("--cache", arguments.cache, "Where catalogues of --models are kept (default: ~/.cache/partpose)");
+  command.add_option("--cache", arguments.cache,
+                     "Where catalogues of --models for --recognizer recognizer are kept (default: ~/.cache/partpose)");
 }
 
 Scene ChosenRecognizer::in_mm(const Scene& scene) const {
@@ -82,11 +89,13 @@ ChosenRecognizer choose_recognizer(const std::string& command, const RecognizerA
     chosen.recognizer =
         make_recognizer(arguments.recognizer,
                         catalogue_for(arguments.recognizer, read_parts(arguments.models, arguments.reading, common),
-                                      arguments.cache, common));
+                                      arguments.cache, common),
+                        arguments.min_score);
   } else {
     const Unfinished descriptors;
-    chosen.recognizer = make_recognizer(arguments.recognizer, load_catalogue(open_dataset(arguments.dataset),
-                                                                             chosen.config, terminal_progress(common)));
+    chosen.recognizer = make_recognizer(
+        arguments.recognizer, load_catalogue(open_dataset(arguments.dataset), chosen.config, terminal_progress(common)),
+        arguments.min_score);
   }
   return chosen;
 }

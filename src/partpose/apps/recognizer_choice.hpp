@@ -26,6 +26,8 @@ inline constexpr const char* default_recognizer = "engine";
 
 /// --recognizer.
 CLI::Option* add_recognizer_option(CLI::App& command, std::string& name);
+/// --min-score.
+CLI::Option* add_min_score_option(CLI::App& command, std::optional<float>& min_score);
 
 /// By its name. Without `min_score` the recognizer's own.
 std::unique_ptr<PartRecognizer> make_recognizer(const std::string& name, Catalogue catalogue,
@@ -40,9 +42,10 @@ struct RecognizerArguments {
   std::filesystem::path dataset, config, cache;
   std::vector<std::string> overrides;
   std::string recognizer = default_recognizer;
+  std::optional<float> min_score;
 };
 
-/// --models, --dataset, --config, --set, --recognizer, --cache and those of add_reading_options.
+/// --models, --dataset, --config, --set, --recognizer, --min-score, --cache and those of add_reading_options.
 void add_recognizer_arguments(CLI::App& command, RecognizerArguments& arguments);
 
 /// A recognizer, and the configuration that its output is written by.

@@ -49,6 +49,8 @@ Explanation explanation_of(const DepthComparison& c, const PartInFrame& part) {
   const int visible = std::max(c.model - c.hidden, 1);
   out.farther = share(c.farther, visible);
   out.free_space = share(c.free_space + c.below_table, visible);
+  out.not_measured = share(c.nothing, visible);
+  out.beside = share(c.model_outline, visible);
   out.noise = part.noise_mm / std::max(part.extent_mm, 1.0);
   out.height = height_of(part);
   out.height_deviations = out.height * part.diameter_mm / part.noise_mm;

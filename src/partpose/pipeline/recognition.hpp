@@ -39,6 +39,8 @@ struct Explanation {
   double unexplained = 0;    ///< share of the object's pixels
   double farther = 0;        ///< share of the part's visible pixels where something farther was measured
   double free_space = 0;     ///< share of them before what was measured, or beneath the table, not beside an outline
+  double not_measured = 0;   ///< share of them where nothing was measured
+  double beside = 0;         ///< share of them that are not the object's, but next to its outline
   double noise = 0;          ///< standard deviation of a depth, over the extent of what is seen
   double height = 0;         ///< of the part's lowest place above the table, in diameters; below 0 it sinks in; 0 as
                              ///< well where there is no table, or the part stands on something else
@@ -54,6 +56,9 @@ struct Explanation {
     visit("farther", self.farther, "share of the part's visible pixels where something farther was measured");
     visit("free_space", self.free_space,
           "share of the part's visible pixels before what was measured, or beneath the table, not beside an outline");
+    visit("not_measured", self.not_measured, "share of the part's visible pixels where nothing was measured");
+    visit("beside", self.beside,
+          "share of the part's visible pixels that are not the object's, but next to its outline");
     visit("noise", self.noise, "standard deviation of a depth, over the extent of what is seen");
     visit("height", self.height, "of the part's lowest place above the table, in diameters; below 0 it sinks in");
     visit("height_deviations", self.height_deviations, "the same in the noise's standard deviations");
