@@ -75,12 +75,12 @@ def experiments(output, data, made):
             found[f"hidden_{share}_{i}"] = (
                 parts, stereo(210 + int(10 * share) + i, 72, hidden_fraction=[share - 0.02, share + 0.02]), 1)
     found["thirty"] = ([str(made / "thirty_tuning")], stereo(220, 96), 1)
-    found["virtual"] = (shipped(SHIPPED), virtual, 0.4)   # all of their views are shown: many
-    found["virtual_b"] = (public(PUBLIC["b"]), virtual, 0.4)
+    found["virtual"] = (shipped(SHIPPED), virtual, 1)
+    found["virtual_b"] = (public(PUBLIC["b"]), virtual, 1)
     touching = [{"name": "touching", "scenes": str(ROOT / "experiments/scenes_engine_touching_tuning.json"), "frames": 32}]
     found["touching"] = (shipped(SHIPPED), touching, 1)
     found["touching_b"] = (public(PUBLIC["b"]), touching, 1)
-    # There are few of them, and they are what it is for.
+    # The real ones are few, and they are what it is for.
     found["cranfield"] = ([str(data / "cranfield/models")], captured("cranfield", ["object_only", "with_table"]), 4)
     found["cube"] = ([str(data / "cube/models")], captured("cube", ["full_frame", "instance"]), 4)
     for i, protocol in enumerate(found["cranfield"][1] + found["cube"][1]):

@@ -8,6 +8,8 @@
 #include "partpose/pipeline/picture.hpp"
 #include "partpose/preprocess/segmentation.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace partpose::apps {

@@ -92,7 +92,9 @@ TEST_F(FramePiecesTest, TheWindowKeepsPlaceAndLabels) {
       const std::size_t p = static_cast<std::size_t>(v) * part.depth.width + u;
       EXPECT_EQ(part.label[p] == PixelLabel::object,
                 object.labels.test(frame.label[static_cast<std::size_t>(full_v) * depth.width + full_u]));
-      if (part.label[p] == PixelLabel::background) EXPECT_NEAR(part.before_table_mm[p], 0, 3.5);
+      if (part.label[p] == PixelLabel::background) {
+        EXPECT_NEAR(part.before_table_mm[p], 0, 3.5);
+      }
       EXPECT_TRUE(part.camera.unproject(u, v, 700).isApprox(camera.unproject(full_u, full_v, 700), 1e-5f));
     }
 }

@@ -60,11 +60,11 @@ Explanation explanation_of(const DepthComparison& c, const PartInFrame& part) {
 double probability_of_part(const Explanation& e) {
   if (e.explained_pixels == 0) return 0;
   constexpr double highest = 0.3, most_deviations = 10, least_noise = 0.008;
-  const double logit = -11.56 - 2.8 * std::log(1.02 - e.agreement) - 1.34 * e.deviation -
-                       6.85 * std::sqrt(e.unexplained) - 14.34 * e.farther - 39.61 * e.free_space -
-                       2.52 * std::log(std::max(e.noise, least_noise)) - 8.62 * std::clamp(e.height, 0.0, highest) -
-                       0.79 * std::clamp(e.height_deviations, 0.0, most_deviations) -
-                       22.04 * std::clamp(-e.height, 0.0, highest);
+  const double logit =
+      -9.11 - 2.24 * std::log(1.02 - e.agreement) - 1.89 * e.deviation - 8.49 * std::sqrt(e.unexplained) -
+      6.4 * e.farther - 30.01 * e.free_space - 7.38 * e.not_measured - 9.95 * e.beside -
+      2.51 * std::log(std::max(e.noise, least_noise)) - 22.27 * std::clamp(e.height, 0.0, highest) -
+      0.58 * std::clamp(e.height_deviations, 0.0, most_deviations) - 19.87 * std::clamp(-e.height, 0.0, highest);
   return 1 / (1 + std::exp(-logit));
 }
 
