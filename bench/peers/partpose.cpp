@@ -5,8 +5,8 @@
 
 #include "partpose/core/parallel.hpp"
 #include "partpose/engine/engine.hpp"
+#include "partpose/io/mesh_files.hpp"
 #include "partpose/io/pcd.hpp"
-#include "partpose/pipeline/recognizer.hpp"
 
 namespace {
 
@@ -37,8 +37,12 @@ int main(int argc, char** argv) {
     const partpose::ThreadLimit one_thread(1);
     const double began = peers::wall_ms();
     const peers::Json setup = peers::read_json(argv[1]);
-    const partpose::Engine engine(partpose::load_catalogue(
-        partpose::open_dataset(setup.at("database").get<std::string>()), partpose::Recognizer::catalogue_config()));
+    std::vector<partpose::NamedMesh> parts;
+    for (const auto& part : setup.at("parts")) {
+      parts.push_back(partpose::read_meshes(part.at("stl").get<std::string>()).at(0));
+      parts.back().name = part.at("name").get<std::string>();
+    }
+    const partpose::Engine engine(parts);
     peers::answer_frames(
         load,
         [&](const partpose::Scene& scene) -> std::optional<peers::Found> {
