@@ -341,10 +341,4 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
   return out;
 }
 
-DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
-                              const FrameWindow& frame, const SensorModel& sensor) {
-  const Eigen::AlignedBox2d all(Eigen::Vector2d::Zero(), Eigen::Vector2d(frame.depth.width, frame.depth.height));
-  return DepthComparer(frame, sensor)(mesh, camera_from_model, all);
-}
-
 }  // namespace partpose

@@ -108,8 +108,4 @@ class DepthComparer {
   std::array<float, entries + 1> log_density_;
 };
 
-/// Once, in the whole of a window.
-DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
-                              const FrameWindow& frame, const SensorModel& sensor);
-
 }  // namespace partpose

@@ -14,6 +14,12 @@
 namespace partpose {
 namespace {
 
+DepthComparison compare_depth(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
+                              const FrameWindow& frame, const SensorModel& sensor) {
+  const Eigen::AlignedBox2d all(Eigen::Vector2d::Zero(), Eigen::Vector2d(frame.depth.width, frame.depth.height));
+  return DepthComparer(frame, sensor)(mesh, camera_from_model, all);
+}
+
 /// A box of 60 x 40 x 20 mm, its face 490 mm before the camera, on a table at 510 mm.
 class Comparison : public testing::Test {
  protected:
