@@ -33,10 +33,11 @@ Recognition one_object() {
 /// As a recognizer gives it that finds several objects and says how sure it is.
 Recognition two_objects() {
   Recognition recognition = one_object();
-  Detection first{0, at(1), 0.75f, 0.9, {}, {{1, at(2), 0.08}}};
+  Detection first{0, at(1), 0.75f, {}, 0.9, {}, {{1, at(2), 0.08}}};
+  first.explanation = Explanation{.explained_pixels = 900, .agreement = 0.95};
   first.covariance(0, 0) = 1e-4;
   first.covariance(5, 5) = 0.25;
-  recognition.detections = {first, {1, at(50), 0.5f, 0.6, {}, {}}};
+  recognition.detections = {first, {1, at(50), 0.5f, {}, 0.6, {}, {}}};
   recognition.detections[1].covariance.setZero();
   return recognition;
 }
@@ -57,7 +58,9 @@ TEST(RecognitionOutput, AllObjectsAsJson) {
   EXPECT_EQ(first["alternatives"][0]["model_name"], "link");
   EXPECT_EQ(first["alternatives"][0]["T"], to_json(at(2)));
   EXPECT_EQ(first["alternatives"][0]["probability"], 0.08);
+  EXPECT_EQ(first["explanation"]["agreement"], 0.95);
   EXPECT_EQ(line["detections"][1]["model_name"], "link");
+  EXPECT_FALSE(line["detections"][1].contains("explanation"));
   EXPECT_EQ(line["detections"][1]["T"], to_json(at(50)));
   EXPECT_TRUE(line["detections"][1]["alternatives"].empty());
 }
