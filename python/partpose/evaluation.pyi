@@ -281,9 +281,10 @@ class DetectionRecord:
     object: index of the object that it stands for; -1: none
     part_right: whether it names that object's part
     right: whether part and pose are right, or cannot be told from the truth by this camera
+    explanation: what the engine's score is made of
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, part: str = ..., camera_from_model: numpy.typing.ArrayLike = ..., score: float = ..., confidence: float = ..., object: int = ..., part_right: bool = ..., right: bool = ...) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, part: str = ..., camera_from_model: numpy.typing.ArrayLike = ..., score: float = ..., confidence: float = ..., object: int = ..., part_right: bool = ..., right: bool = ..., explanation: partpose.pipeline.Explanation | Mapping[str, Any] | None = ...) -> None: ...
 
     @property
     def part(self) -> str:
@@ -335,6 +336,13 @@ class DetectionRecord:
 
     @right.setter
     def right(self, value: bool, /) -> None: ...
+
+    @property
+    def explanation(self) -> partpose.pipeline.Explanation | None:
+        """what the engine's score is made of"""
+
+    @explanation.setter
+    def explanation(self, value: partpose.pipeline.Explanation | Mapping[str, Any] | None, /) -> None: ...
 
     def to_dict(self) -> dict[str, Any]:
         """What its JSON file would say."""

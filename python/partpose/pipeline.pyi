@@ -1054,6 +1054,125 @@ class Alternative:
 
     def __repr__(self) -> str: ...
 
+class Explanation:
+    """
+    How a part at its pose and a frame explain each other: what the engine's score is made of.
+
+    explained_pixels: of those looked at
+    agreement: mean of both directions, 0 to 1
+    deviation: rms of the depths' differences, in the noise's standard deviations
+    unexplained: share of the object's pixels
+    farther: share of the part's visible pixels where something farther was measured
+    free_space: share of the part's visible pixels before what was measured, or beneath the table, not beside an outline
+    not_measured: share of the part's visible pixels where nothing was measured
+    beside: share of the part's visible pixels that are not the object's, but next to its outline
+    noise: standard deviation of a depth, over the extent of what is seen
+    height: of the part's lowest place above the table, in diameters; below 0 it sinks in
+    height_deviations: the same in the noise's standard deviations
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, explained_pixels: int = ..., agreement: float = ..., deviation: float = ..., unexplained: float = ..., farther: float = ..., free_space: float = ..., not_measured: float = ..., beside: float = ..., noise: float = ..., height: float = ..., height_deviations: float = ...) -> None: ...
+
+    @property
+    def explained_pixels(self) -> int:
+        """of those looked at"""
+
+    @explained_pixels.setter
+    def explained_pixels(self, value: int, /) -> None: ...
+
+    @property
+    def agreement(self) -> float:
+        """mean of both directions, 0 to 1"""
+
+    @agreement.setter
+    def agreement(self, value: float, /) -> None: ...
+
+    @property
+    def deviation(self) -> float:
+        """rms of the depths' differences, in the noise's standard deviations"""
+
+    @deviation.setter
+    def deviation(self, value: float, /) -> None: ...
+
+    @property
+    def unexplained(self) -> float:
+        """share of the object's pixels"""
+
+    @unexplained.setter
+    def unexplained(self, value: float, /) -> None: ...
+
+    @property
+    def farther(self) -> float:
+        """
+        share of the part's visible pixels where something farther was measured
+        """
+
+    @farther.setter
+    def farther(self, value: float, /) -> None: ...
+
+    @property
+    def free_space(self) -> float:
+        """
+        share of the part's visible pixels before what was measured, or beneath the table, not beside an outline
+        """
+
+    @free_space.setter
+    def free_space(self, value: float, /) -> None: ...
+
+    @property
+    def not_measured(self) -> float:
+        """share of the part's visible pixels where nothing was measured"""
+
+    @not_measured.setter
+    def not_measured(self, value: float, /) -> None: ...
+
+    @property
+    def beside(self) -> float:
+        """
+        share of the part's visible pixels that are not the object's, but next to its outline
+        """
+
+    @beside.setter
+    def beside(self, value: float, /) -> None: ...
+
+    @property
+    def noise(self) -> float:
+        """standard deviation of a depth, over the extent of what is seen"""
+
+    @noise.setter
+    def noise(self, value: float, /) -> None: ...
+
+    @property
+    def height(self) -> float:
+        """
+        of the part's lowest place above the table, in diameters; below 0 it sinks in
+        """
+
+    @height.setter
+    def height(self, value: float, /) -> None: ...
+
+    @property
+    def height_deviations(self) -> float:
+        """the same in the noise's standard deviations"""
+
+    @height_deviations.setter
+    def height_deviations(self, value: float, /) -> None: ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """What its JSON file would say."""
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    __hash__: None = None  # type: ignore[assignment]
+
+    def __copy__(self) -> Self: ...
+
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
 class Detection:
     """A part found in a frame."""
 
@@ -1079,6 +1198,12 @@ class Detection:
     def covariance(self) -> Annotated[numpy.typing.NDArray[numpy.float64], dict(shape=(6, 6))] | None:
         """
         6 x 6, of a small rotation vector [rad] and translation [mm] of the part, about its box's middle, in the camera's axes. None: this recognizer states none.
+        """
+
+    @property
+    def explanation(self) -> Explanation | None:
+        """
+        What the score is made of. None: of another recognizer than the engine.
         """
 
     @property
