@@ -43,9 +43,11 @@ def test_detections(
         assert np.array_equal(best.camera_from_model, found.camera_from_model)
         assert best.confidence == found.confidence and "bracket" in repr(best) and "bracket" in repr(found)
         if best.confidence is None:
-            assert best.covariance is None
+            assert best.covariance is None and best.explanation is None
         else:
             assert 0 < best.confidence <= 1 and best.covariance is not None and best.covariance.shape == (6, 6)
+            assert isinstance(best.explanation, pipeline.Explanation) and 0.8 < best.explanation.agreement <= 1
+            assert best.explanation.explained_pixels > 100 and best.explanation.unexplained < 0.1
             assert np.allclose(best.covariance, best.covariance.T) and f"{best.confidence:.3f}" in repr(found)
         assert len(found.alternatives) == len(best.alternatives)
         for other in found.alternatives:
