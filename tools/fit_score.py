@@ -6,7 +6,7 @@
 Recognizes tuning frames with and without the part in the catalogue, everything accepted, and fits a logistic regression
 of whether a detection names the right part on what its explanation says. No part and seed of bench/engine is among
 them, but for the real captures. Prints the constants, and what an acceptance at 0.5 gives, each part's frames judged by
-constants fitted to the other parts'. About 20 minutes; goes on where it was stopped.
+constants fitted to the other parts'. 10 to 15 minutes; goes on where it was stopped.
 
   tools/fit_score.py OUT --data ../shared/data --made OUT/parts      # OUT/parts: tools/make_many_parts.py OUT/parts --sets
 """
