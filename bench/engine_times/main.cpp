@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <utility>
 
 namespace partpose {
@@ -26,7 +27,7 @@ namespace {
 struct Arguments {
   std::vector<std::filesystem::path> models;
   std::size_t parts = 0;
-  std::size_t frames = 100;
+  std::size_t frames = 100, rounds = 1;
   int threads = 1;
   int width = 640, height = 480;
   std::filesystem::path usable;
@@ -108,14 +109,16 @@ void run(const Arguments& arguments) {
 
   const ThreadLimit limit(arguments.threads);
   std::vector<double> times_ms;
+  std::map<std::string, std::vector<double>> stages_ms;
   int recognized = 0;
   const std::size_t warm_up = std::min<std::size_t>(frames.size(), 5);
-  for (std::size_t i = 0; i < frames.size() + warm_up; ++i) {
+  for (std::size_t i = 0; i < arguments.rounds * frames.size() + warm_up; ++i) {
     const Stopwatch watch;
     const auto found = engine.recognize(frames[i % frames.size()], options.scene.camera.intrinsics);
     if (i < warm_up) continue;
     times_ms.push_back(watch.elapsed_ms());
     recognized += found.accepted >= 0;
+    for (const auto& stage : found.stages) stages_ms[stage.tag].push_back(stage.measure_ms);
   }
   line["parts"] = parts.size();
   line["width"] = arguments.width;
@@ -125,6 +128,9 @@ void run(const Arguments& arguments) {
   line["recognized"] = recognized;
   line["median_ms"] = quantile(times_ms, 0.5);
   line["p99_ms"] = quantile(times_ms, 0.99);
+  // Of the frames that come to a stage: many do not come to the searches.
+  for (auto& [tag, of_stage] : stages_ms)
+    line["stages"][tag] = {{"frames", of_stage.size()}, {"median_ms", quantile(of_stage, 0.5)}};
   line["setup_ms_a_part"] = setup_ms / static_cast<double>(parts.size());
   line["memory_mb_a_part"] = (after_kb - before_kb) / 1000 / static_cast<double>(parts.size());
   line["memory_stated_mb_a_part"] = static_cast<double>(stated_bytes) / 1e6 / static_cast<double>(parts.size());
@@ -141,6 +147,7 @@ int main(int argc, char** argv) {
   app.add_option("-m,--models", arguments.models, "Model files or folders of the catalogue");
   app.add_option("--parts", arguments.parts, "The first so many of them; 0: all");
   app.add_option("-n,--frames", arguments.frames, "Timed frames")->check(CLI::Range(1, 100000));
+  app.add_option("--rounds", arguments.rounds, "So often all of them")->check(CLI::Range(1, 100000));
   app.add_option("--threads", arguments.threads, "Threads while recognizing")->check(CLI::Range(1, 1024));
   app.add_option("--width", arguments.width, "Image width [px]");
   app.add_option("--height", arguments.height, "Image height [px]");
