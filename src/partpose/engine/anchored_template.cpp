@@ -15,13 +15,6 @@
 
 namespace partpose {
 
-CellSet cells_with_surface(const SmallTemplate& cells) {
-  static_assert(SmallTemplate::cells == 64);
-  CellSet set = 0;
-  for (int i = 0; i < SmallTemplate::cells; ++i) set |= CellSet{cells.cell[i] < SmallTemplate::unknown} << i;
-  return set;
-}
-
 std::vector<int> spread_places(std::span<const Eigen::Vector3f> points, int count) {
   constexpr std::size_t enough = 240;
   constexpr int rounds = 4;

@@ -14,10 +14,6 @@
 
 namespace partpose {
 
-/// Cells of a SmallTemplate: one bit each.
-using CellSet = std::uint64_t;
-CellSet cells_with_surface(const SmallTemplate& cells);
-
 /// Views of a part about places on its surface, in place of its middle: of a part that is partly hidden, or that
 /// touches another, the middle is not known, but some place on it is.
 struct AnchoredViews {

@@ -74,6 +74,13 @@ SmallTemplate halved(const DepthTemplate& full) {
   return out;
 }
 
+CellSet cells_with_surface(const SmallTemplate& cells) {
+  static_assert(SmallTemplate::cells == 64);
+  CellSet set = 0;
+  for (int i = 0; i < SmallTemplate::cells; ++i) set |= CellSet{cells.cell[i] < SmallTemplate::unknown} << i;
+  return set;
+}
+
 template <int side>
 int capped_difference(const CellDepths<side>& a, const CellDepths<side>& b, int cap) {
 #ifdef __AVX2__
@@ -94,31 +101,6 @@ int capped_difference(const CellDepths<side>& a, const CellDepths<side>& b, int 
   for (int i = 0; i < CellDepths<side>::cells; ++i)
     if (b.cell[i] != DepthTemplate::unknown) sum += std::min(std::abs(int{a.cell[i]} - int{b.cell[i]}), cap);
   return sum;
-#endif
-}
-
-void capped_differences(const SmallTemplate& a, std::span<const SmallTemplate> several, int cap, std::uint16_t* out) {
-#ifdef __AVX2__
-  static_assert(SmallTemplate::cells == 64);
-  const __m256i limit = _mm256_set1_epi8(static_cast<char>(cap)), zero = _mm256_setzero_si256();
-  const __m256i unknown = _mm256_set1_epi8(static_cast<char>(SmallTemplate::unknown));
-  const auto half = [](const SmallTemplate& of, int k) {
-    return _mm256_load_si256(reinterpret_cast<const __m256i*>(&of.cell[32 * k]));
-  };
-  const __m256i first = half(a, 0), second = half(a, 1);
-  const auto sums = [&](const __m256i& x, const __m256i& y) {
-    const __m256i difference = _mm256_or_si256(_mm256_subs_epu8(x, y), _mm256_subs_epu8(y, x));
-    return _mm256_sad_epu8(_mm256_andnot_si256(_mm256_cmpeq_epi8(y, unknown), _mm256_min_epu8(difference, limit)),
-                           zero);
-  };
-  for (std::size_t i = 0; i < several.size(); ++i) {
-    const __m256i sum = _mm256_add_epi64(sums(first, half(several[i], 0)), sums(second, half(several[i], 1)));
-    const __m128i halves = _mm_add_epi64(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
-    out[i] = static_cast<std::uint16_t>(_mm_extract_epi16(halves, 0) + _mm_extract_epi16(halves, 4));
-  }
-#else
-  for (std::size_t i = 0; i < several.size(); ++i)
-    out[i] = static_cast<std::uint16_t>(capped_difference(a, several[i], cap));
 #endif
 }
 

@@ -52,11 +52,12 @@ CellDepths<side> quarter_turned(const CellDepths<side>& cells) {
 /// A cell is the mean of the four that it covers; background where most of them are, unknown where half of them are.
 SmallTemplate halved(const DepthTemplate& full);
 
+/// Cells of a SmallTemplate: one bit each.
+using CellSet = std::uint64_t;
+CellSet cells_with_surface(const SmallTemplate& cells);
+
 /// Sum over the cells of the absolute difference, none counted for more than `cap`; none where `b` is unknown.
 template <int side>
 int capped_difference(const CellDepths<side>& a, const CellDepths<side>& b, int cap);
-
-/// The same of one with each of several.
-void capped_differences(const SmallTemplate& a, std::span<const SmallTemplate> several, int cap, std::uint16_t* out);
 
 }  // namespace partpose

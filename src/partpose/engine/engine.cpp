@@ -107,7 +107,8 @@ FrameWindow window_about(const ObjectView& view, Eigen::AlignedBox2d pixels, int
                 pixel(pixels.max().y() + 2 * stride, camera.height), stride);
 }
 
-constexpr double hopeless = 0.02;  ///< such a score of the coarse comparison becomes no good one
+constexpr double hopeless = 0.02;      ///< such a score of the coarse comparison becomes no good one
+constexpr std::size_t few_parts = 32;  ///< so many can be looked at closely
 constexpr int coarse_pixels = 800, fine_pixels = 2500;
 constexpr std::size_t most_contenders = 6;
 
@@ -139,8 +140,7 @@ struct Engine::Impl {
 
   void models_changed();
   /// Finds the parts and poses that explain the object best, and polishes them where they are in doubt.
-  /// `look_behind`: what hides it may hide any of it.
-  void examine(Target& target, bool look_behind, StageTimes& time) const;
+  void examine(Target& target, const ShortlistOptions& options, StageTimes& time) const;
   /// The frame's objects that may be parts, but for pieces of what is explained as a whole.
   std::vector<Target> examine_all(const FramePieces& frame, ExplainedLabels& labels, StageTimes& time) const;
   /// Polishes and decides where the coarse comparison is in doubt: a pose that is still a little off explains little.
@@ -301,13 +301,17 @@ Recognition Engine::recognize(const PointCloud& cloud) const {
   return recognition;
 }
 
-void Engine::Impl::examine(Target& target, bool look_behind, StageTimes& time) const {
-  auto hypotheses = time("templates", [&] { return shortlist(model_of, target.view, {.look_behind = look_behind}); });
+void Engine::Impl::examine(Target& target, const ShortlistOptions& options, StageTimes& time) const {
+  auto hypotheses = time("templates", [&] { return shortlist(model_of, target.view, options); });
   time("refine_1", [&] {
     refine(hypotheses, model_of, target.view, target.view.few, 6);
-    hypotheses = best_of(std::move(hypotheses), std::max<std::size_t>(24, hypotheses.size() / 4), 2);
+    const std::size_t kept = models.size() > few_parts ? 300 : std::max<std::size_t>(24, hypotheses.size() / 4);
+    hypotheses = best_of(std::move(hypotheses), kept, 2);
   });
-  for (const auto& h : hypotheses) target.heard.insert(h.part);
+  std::set<int> promising;
+  for (auto h = hypotheses.begin(); h != hypotheses.end() && promising.size() < few_parts; ++h)
+    promising.insert(h->part);
+  target.heard.insert(promising.begin(), promising.end());
   time("refine_2", [&] {
     refine(hypotheses, model_of, target.view, target.view.many, 8);
     const std::size_t kept = std::max<std::size_t>(6, hypotheses.size() / 5);
@@ -337,9 +341,12 @@ std::vector<Target> Engine::Impl::examine_all(const FramePieces& frame, Explaine
     if (target.view.points.points_mm.size() < 30) continue;
     constexpr double blurred_share = 0.08;  // noise beyond it hides what any part looks like
     if (target.view.noise_mm > blurred_share * pieces.largest_part_mm) continue;
-    examine(target, false, time);
+    examine(target, {}, time);
+    // Among many parts what is like the object may not be what it is.
+    if (models.size() > few_parts && target.best_score < Target::weak_when_hidden)
+      examine(target, {.every_part = true}, time);
     if (target.best_score < Target::weak_when_hidden) target.partly_hidden = is_partly_hidden(target.view);
-    if (target.partly_hidden && target.is_weak()) examine(target, true, time);
+    if (target.partly_hidden && target.is_weak()) examine(target, {.look_behind = true}, time);
     if (target.best_score > Target::strong) labels.well |= object.labels;
     targets.push_back(std::move(target));
   }
@@ -442,7 +449,6 @@ bool Engine::Impl::is_worth_a_search(const Target& target) const {
 }
 
 std::vector<const PartModel*> Engine::Impl::models_to_search(const std::set<int>& heard) const {
-  constexpr std::size_t few_parts = 32;
   std::vector<const PartModel*> out = model_of;
   if (out.size() > few_parts)
     for (int part = 0; part < static_cast<int>(out.size()); ++part)

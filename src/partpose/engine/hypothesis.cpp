@@ -260,11 +260,11 @@ bool is_partly_hidden(const ObjectView& view) { return hidden_side(view).has_val
 
 std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, const ObjectView& view,
                                   const ShortlistOptions& options) {
-  // What is partly hidden looks like more.
   const auto hidden = options.look_behind ? hidden_side(view) : std::nullopt;
-  int wider = hidden ? 5 : 1;
-  // Among many parts the right one has more before it.
-  wider *= std::clamp(static_cast<int>(std::sqrt(static_cast<double>(models.size()) / 20)), 1, 8);
+  const int parts = static_cast<int>(models.size());
+  const int places = hidden ? 5 : 1;  // what is partly hidden looks like more
+  // Among many parts the right one has more before it, but nearly always it is the best of its own looks.
+  const int before = std::clamp(static_cast<int>(std::sqrt(parts / 20.0)), 1, 8);
   TurnedByScale turned;
   std::vector<std::pair<const TemplateScale*, std::vector<TurnedTemplates>*>> scales;
   for (const PartModel* model : models)
@@ -273,9 +273,9 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
   parallel_for(scales.size(),
                [&](std::size_t i) { *scales[i].second = all_turned_templates(view, *scales[i].first, hidden); });
 
-  constexpr std::size_t kept_small_per_part = 200;
-  std::vector<Look> looks = best_looks(models, turned, kept_small_per_part * wider,
-                                       static_cast<std::size_t>(std::max(options.small_kept, 0)) * wider);
+  const int small_per_part = places * std::max(16, 1200 / std::max(parts, 1));
+  const int small_kept = options.every_part ? parts * small_per_part : places * std::max(1000, 400 * before);
+  std::vector<Look> looks = best_looks(models, turned, small_per_part, small_kept);
   for (Look& look : looks) {
     const PartModel& model = *models[look.part];
     const TurnedTemplates& templates = turned.at(model.scale.cell_mm)[look.place];
@@ -285,15 +285,19 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
   }
   std::sort(looks.begin(), looks.end());
 
-  const int kept = wider * options.kept;
-  std::map<int, int> taken;
+  const int kept = options.every_part ? 0 : 60 * places * before;
+  const int kept_per_part = options.every_part ? 3 : 8;
+  const int most_parts = options.every_part ? parts : 12;
+  struct Taken {
+    int rank, count = 0;
+  };
+  std::map<int, Taken> taken;
   std::vector<Hypothesis> out;
   for (const Look& look : looks) {
-    const auto found = taken.find(look.part);
-    const bool of_few_parts = found != taken.end() ? found->second < options.kept_per_part
-                                                   : static_cast<int>(taken.size()) < options.most_parts;
-    if (static_cast<int>(out.size()) >= kept && !of_few_parts) continue;
-    ++taken[look.part];
+    Taken& of_part = taken.try_emplace(look.part, Taken{static_cast<int>(taken.size())}).first->second;
+    const bool in_any_case = of_part.rank < most_parts && of_part.count < kept_per_part;
+    if (static_cast<int>(out.size()) >= kept && !in_any_case) continue;
+    ++of_part.count;
     const PartModel& model = *models[look.part];
     Hypothesis h;
     h.part = look.part;

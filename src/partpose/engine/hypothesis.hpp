@@ -37,10 +37,7 @@ struct ObjectView {
 };
 
 struct ShortlistOptions {
-  int small_kept = 1000;     ///< that go on from the small templates, of all parts together
-  int kept = 60;             ///< of all parts together
-  int kept_per_part = 8;     ///< in any case, of the parts that are still there
-  int most_parts = 12;       ///< for which that holds
+  bool every_part = false;   ///< also those that are little like the object
   bool look_behind = false;  ///< what is hidden by something nearer may be anything there
 };
 

@@ -229,6 +229,7 @@ PartModel::PartModel(const TriangleMesh& mesh)
                               of_view.anchored.templates.end());
     templates.push_back(of_view.cells);
     small_templates.push_back(halved(of_view.cells));
+    small_surfaces.push_back(cells_with_surface(small_templates.back()));
     views.push_back(of_view.view);
   }
   partners = find_partners(*this);
@@ -255,7 +256,7 @@ std::size_t PartModel::memory_bytes() const {
     return mesh.vertices.size() * sizeof(mesh.vertices[0]) + mesh.triangles.size() * sizeof(mesh.triangles[0]);
   };
   return sizeof(*this) + mesh_bytes(outline) + mesh_bytes(surface) + views.size() * sizeof(PartView) +
-         templates.size() * sizeof(DepthTemplate) + small_templates.size() * sizeof(SmallTemplate) +
+         templates.size() * sizeof(DepthTemplate) + small_templates.size() * (sizeof(SmallTemplate) + sizeof(CellSet)) +
          anchored.anchors.size() * (sizeof(AnchoredViews::Anchor) + sizeof(SmallTemplate)) + field.memory_bytes() +
          samples_mm.size() * sizeof(samples_mm[0]) + partners.size() * sizeof(partners[0]);
 }

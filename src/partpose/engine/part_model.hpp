@@ -43,6 +43,7 @@ struct PartModel {
   std::vector<PartView> views;
   std::vector<DepthTemplate> templates;        ///< of each view
   std::vector<SmallTemplate> small_templates;  ///< of each view
+  std::vector<CellSet> small_surfaces;         ///< where these have a surface
   AnchoredViews anchored;
   SurfaceField field;
   std::vector<Eigen::Vector3f> samples_mm;  ///< spread evenly over the surface, model frame

@@ -5,7 +5,10 @@
 #include "partpose/core/parallel.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <limits>
+#include <map>
 
 namespace partpose {
 
@@ -17,48 +20,77 @@ void keep_lowest(std::vector<Look>& looks, std::size_t count) {
   looks.resize(count);
 }
 
-constexpr int most_steps = SmallTemplate::cells * 255;  // of two small templates
+/// Of the object's small template at each turn.
+struct SceneSets {
+  std::array<CellSet, rolls> surface, known;
 
-/// How many do not exceed a limit; counted in 16 bits, as many as the numbers have, so that they are side by side.
-std::size_t count_up_to(std::uint16_t limit, std::span<const std::uint16_t> numbers) {
-  std::uint16_t count = 0;
-  for (const std::uint16_t number : numbers) count = static_cast<std::uint16_t>(count + (number <= limit));
-  return count;
-}
-
-/// The lowest limit up to `limit` that at least `count` of the numbers do not exceed, if that many do not exceed it.
-std::uint16_t lowest_limit(std::uint16_t limit, std::span<const std::uint16_t> numbers, std::size_t count) {
-  if (count_up_to(limit, numbers) <= count) return limit;
-  std::uint16_t low = 0;
-  while (low < limit) {
-    const auto middle = static_cast<std::uint16_t>((low + limit) / 2);
-    if (count_up_to(middle, numbers) >= count)
-      limit = middle;
-    else
-      low = static_cast<std::uint16_t>(middle + 1);
+  explicit SceneSets(const std::vector<SmallTemplate>& small) {
+    for (int k = 0; k < rolls; ++k) {
+      surface[k] = cells_with_surface(small[k]);
+      known[k] = 0;
+      for (int i = 0; i < SmallTemplate::cells; ++i)
+        known[k] |= CellSet{small[k].cell[i] != SmallTemplate::unknown} << i;
+    }
   }
-  return limit;
-}
+
+  /// The turns at which no more than so many cells have a surface in one template alone, each of which differs by the
+  /// cap: a bit for each.
+  std::uint32_t turns_within(CellSet of_view, int most_cells) const {
+    std::uint32_t turns = 0;
+#pragma GCC unroll 24
+    for (int k = 0; k < rolls; ++k)
+      turns |= std::uint32_t{std::popcount((of_view ^ surface[k]) & known[k]) <= most_cells} << k;
+    return turns;
+  }
+};
+
+/// The lowest limit up to a first one that so many of the numbers seen do not exceed.
+class Limit {
+ public:
+  Limit(int first, std::size_t most) : limit_(first), most_(most), count_(static_cast<std::size_t>(first) + 1, 0) {}
+  int value() const { return limit_; }
+  /// Of a number that does not exceed the limit.
+  void add(int number) {
+    ++count_[number];
+    ++seen_;
+    while (limit_ > 0 && seen_ - count_[limit_] >= most_) seen_ -= count_[limit_--];
+  }
+
+ private:
+  int limit_;
+  std::size_t most_, seen_ = 0;
+  std::vector<std::size_t> count_;  ///< of each number
+};
+
+/// The first views of a part are those from the corners of a coarser icosphere: where even of them none is affordable,
+/// the others are left out.
+constexpr std::size_t coarse_views = 42;
 
 /// A part's, of those that cost no more than `dearest`.
 std::vector<Look> looks_of(const PartModel& model, int part, const std::vector<TurnedTemplates>& places,
-                           std::size_t most, float dearest) {
+                           const std::vector<SceneSets>& sets, std::size_t most, float dearest) {
+  const int cap = model.scale.cap;
   std::vector<Look> looks;
-  std::vector<std::uint16_t> differences(model.views.size() * rolls);
   for (std::size_t place = 0; place < places.size(); ++place) {
     const TurnedTemplates& turned = places[place];
     const float per_step = 4 * cost_of_step(model.scale) / turned.known;  // a cell covers four
     const float room = (dearest - turned.beyond_mm2) / per_step;
     if (!(room >= 0)) continue;
-    for (std::size_t v = 0; v < model.views.size(); ++v)
-      capped_differences(model.small_templates[v], turned.small, model.scale.cap, &differences[v * rolls]);
-    const auto affordable = static_cast<std::uint16_t>(std::min(room + 1, static_cast<float>(most_steps)));
-    const std::uint16_t limit = lowest_limit(affordable, differences, most);
-    for (std::size_t i = 0; i < differences.size(); ++i)
-      if (differences[i] <= limit)
-        looks.push_back({turned.beyond_mm2 + per_step * static_cast<float>(differences[i]),
-                         static_cast<std::int32_t>(part), static_cast<std::int16_t>(i / rolls),
-                         static_cast<std::int8_t>(i % rolls), static_cast<std::int8_t>(place)});
+    Limit limit(static_cast<int>(std::min(room + 1, static_cast<float>(SmallTemplate::cells * cap))), most);
+    const std::size_t before = looks.size();
+    for (std::size_t v = 0; v < model.views.size(); ++v) {
+      if (v == coarse_views && looks.size() == before) break;
+      std::uint32_t turns = sets[place].turns_within(model.small_surfaces[v], limit.value() / cap);
+      for (; turns != 0; turns &= turns - 1) {
+        const int roll = std::countr_zero(turns);
+        const int steps = capped_difference(model.small_templates[v], turned.small[roll], cap);
+        if (steps > limit.value()) continue;
+        limit.add(steps);
+        looks.push_back({turned.beyond_mm2 + per_step * static_cast<float>(steps), static_cast<std::int32_t>(part),
+                         static_cast<std::int16_t>(v), static_cast<std::int8_t>(roll),
+                         static_cast<std::int8_t>(place)});
+      }
+    }
   }
   keep_lowest(looks, most);
   return looks;
@@ -70,6 +102,9 @@ float cost_of_step(const TemplateScale& scale) { return static_cast<float>(scale
 
 std::vector<Look> best_looks(std::span<const PartModel* const> models, const TurnedByScale& turned,
                              std::size_t most_per_part, std::size_t most) {
+  std::map<double, std::vector<SceneSets>> sets;  // as the templates
+  for (const auto& [cell_mm, places] : turned)
+    for (const auto& templates : places) sets[cell_mm].emplace_back(templates.small);
   std::vector<Look> best;
   float dearest = std::numeric_limits<float>::infinity();
   // Each round as many parts as all before: what the first cost is soon too dear for most of the others.
@@ -79,7 +114,8 @@ std::vector<Look> best_looks(std::span<const PartModel* const> models, const Tur
     std::vector<std::vector<Look>> of_part(end - begin);
     parallel_for(of_part.size(), [&](std::size_t i) {
       const PartModel& model = *models[begin + i];
-      of_part[i] = looks_of(model, static_cast<int>(begin + i), turned.at(model.scale.cell_mm), most_per_part, dearest);
+      of_part[i] = looks_of(model, static_cast<int>(begin + i), turned.at(model.scale.cell_mm),
+                            sets.at(model.scale.cell_mm), most_per_part, dearest);
     });
     for (const auto& some : of_part) best.insert(best.end(), some.begin(), some.end());
     keep_lowest(best, most);

@@ -11,29 +11,6 @@
 namespace partpose {
 namespace {
 
-SmallTemplate random_template(Random& random, bool with_unknown) {
-  SmallTemplate out;
-  for (auto& cell : out.cell) {
-    cell = static_cast<std::uint8_t>(60 + random.below(100));
-    const auto fate = random.below(8);
-    if (fate == 0) cell = SmallTemplate::background;
-    if (fate == 1 && with_unknown) cell = SmallTemplate::unknown;
-  }
-  return out;
-}
-
-TEST(TemplateScan, DifferencesWithSeveralAreThoseWithEach) {
-  Random random(1);
-  for (const bool with_unknown : {false, true}) {
-    const SmallTemplate a = random_template(random, false);
-    std::vector<SmallTemplate> several;
-    for (int i = 0; i < 7; ++i) several.push_back(random_template(random, with_unknown));
-    std::vector<std::uint16_t> out(several.size());
-    capped_differences(a, several, 24, out.data());
-    for (std::size_t i = 0; i < several.size(); ++i) EXPECT_EQ(out[i], capped_difference(a, several[i], 24));
-  }
-}
-
 TEST(TemplateScan, FindsTheSameAsAllComparedWithAll) {
   // More parts than are looked at in the first two rounds, of two sizes, about two places.
   Random random(2);

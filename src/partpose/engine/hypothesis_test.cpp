@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 partpose contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "partpose/engine/hypothesis.hpp"
+
+#include "partpose/camera/rasterizer.hpp"
+#include "partpose/core/random.hpp"
+#include "tests/shapes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <numbers>
+
+namespace partpose {
+namespace {
+
+/// A bracket on a table, among 40 boxes of other sizes in the catalogue.
+class ShortlistTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (int i = 0; i < 40; ++i)
+      models.push_back(std::make_unique<PartModel>(
+          shapes::box(Eigen::Vector3f(20 + 2 * static_cast<float>(i), 15 + static_cast<float>(i), 8))));
+    models.push_back(std::make_unique<PartModel>(shapes::l_bracket()));
+    for (const auto& model : models) all.push_back(model.get());
+    TriangleMesh scene = shapes::plane_patch(800, 600);
+    const TriangleMesh bracket = shapes::l_bracket();
+    const float low = bounding_box(bracket).min().z();
+    const auto first = static_cast<int>(scene.vertices.size());
+    for (const auto& v : bracket.vertices) scene.vertices.emplace_back(v - Eigen::Vector3f(0, 0, low));
+    for (const auto& t : bracket.triangles) scene.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    Eigen::Isometry3d camera_from_table(Eigen::Translation3d(0, 0, 500));
+    camera_from_table.linear() =
+        Eigen::AngleAxisd(140 * std::numbers::pi / 180, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    depth = render_depth(scene, camera_from_table, camera);
+    Random random(3);
+    for (float& z : depth.z_mm)
+      if (z > 0) z += 0.5f * static_cast<float>(random.normal_pair().first);
+    FramePiecesOptions options;
+    options.largest_part_mm = 150;
+    options.smallest_part_mm = 20;
+    pieces = split_frame(depth, camera, options);
+    ASSERT_EQ(pieces.objects.size(), 1);
+  }
+  std::map<int, int> looks_of_parts(const ShortlistOptions& options) const {
+    std::map<int, int> count;
+    for (const auto& h : shortlist(all, ObjectView(pieces, pieces.objects[0]), options)) ++count[h.part];
+    return count;
+  }
+
+  const Intrinsics camera{.width = 480, .height = 360, .fx = 500, .fy = 500, .cx = 239.5, .cy = 179.5};
+  std::vector<std::unique_ptr<PartModel>> models;
+  std::vector<const PartModel*> all;
+  DepthImage depth;
+  FramePieces pieces;
+};
+
+TEST_F(ShortlistTest, HasThePartThatIsSeenFirst) {
+  const auto found = shortlist(all, ObjectView(pieces, pieces.objects[0]), {});
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found[0].part, 40);
+  for (std::size_t i = 1; i < found.size(); ++i) EXPECT_LE(found[i - 1].cost, found[i].cost);
+}
+
+TEST_F(ShortlistTest, HasEveryPartOnlyWhereAskedFor) {
+  EXPECT_LT(looks_of_parts({}).size(), models.size());
+  const auto every = looks_of_parts({.every_part = true});
+  EXPECT_EQ(every.size(), models.size());
+  for (const auto& [part, count] : every) EXPECT_LE(count, 3) << part;
+}
+
+}  // namespace
+}  // namespace partpose
