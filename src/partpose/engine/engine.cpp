@@ -156,7 +156,9 @@ struct Engine::Impl {
   bool is_worth_a_search(const Target& target) const;
   /// The models for a search that looks at every part; of a large catalogue only those heard, null for the others.
   std::vector<const PartModel*> models_to_search(const std::set<int>& heard) const;
-  void verify(Target& target, std::vector<Hypothesis> hypotheses) const;
+  /// `one_part`: all of the object's points are expected on one part, so that what leaves more of them than another
+  /// hypothesis need not be rendered.
+  void verify(Target& target, std::vector<Hypothesis> hypotheses, bool one_part) const;
   /// Moves the contenders onto the data.
   void polish(Target& target) const;
   void decide(Target& target) const;
@@ -318,7 +320,7 @@ void Engine::Impl::examine(Target& target, const ShortlistOptions& options, Stag
     hypotheses = best_of(distinct(std::move(hypotheses), model_of), kept, 1);
     if (hypotheses.size() > 2 * kept) hypotheses.resize(2 * kept);
   });
-  time("verify", [&] { verify(target, std::move(hypotheses)); });
+  time("verify", [&] { verify(target, std::move(hypotheses), !options.look_behind); });
   reconsider(target, time);
 }
 
@@ -365,7 +367,7 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
     if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
     auto hypotheses =
         time("anchored", [&] { return anchored_hypotheses(models_to_search(target.heard), frame, object); });
-    time("verify", [&] { verify(target, std::move(hypotheses)); });
+    time("verify", [&] { verify(target, std::move(hypotheses), false); });
     target.polished = false;  // with the shadows it may look different
     reconsider(target, time);
     if (target.is_weak()) labels.weakly |= object.labels;
@@ -475,7 +477,7 @@ void Engine::Impl::add_separated(std::vector<Target>& targets, const FramePieces
   for (const auto& part : parts) {
     Target target = time("points", [&] { return Target(frame, part.object); });
     if (target.view.points.points_mm.size() < 30) continue;
-    time("verify", [&] { verify(target, part.hypotheses); });
+    time("verify", [&] { verify(target, part.hypotheses, false); });
     if (target.candidates.empty() || hangs(target.candidates[0], part)) continue;
     reconsider(target, time);
     explained += target.explained();
@@ -534,7 +536,7 @@ Candidate Engine::Impl::candidate_of(const Hypothesis& h, int id) const {
   return candidate;
 }
 
-void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) const {
+void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bool one_part) const {
   const auto settle = [&](Hypothesis& h) {
     const PartModel& model = *models[h.part];
     const double end_mm = std::max(0.005 * model.diameter_mm, target.noise_mm);
@@ -544,8 +546,16 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
                                           .max_iterations = 6,
                                           .rate_end = false});
     h.camera_from_model = refined.camera_from_model;
+    h.left_mm = refined.mean_capped * end_mm;
   };
   parallel_for(hypotheses.size(), [&](std::size_t i) { settle(hypotheses[i]); });
+  double least_left_mm = std::numeric_limits<double>::infinity();
+  const auto drop_worse = [&](std::vector<Hypothesis>& some) {
+    constexpr double most_worse = 0.7;  // in deviations of the noise: of none that came near the best was it 0.5
+    for (const auto& h : some) least_left_mm = std::min(least_left_mm, h.left_mm);
+    if (one_part)
+      std::erase_if(some, [&](const auto& h) { return h.left_mm > least_left_mm + most_worse * target.view.noise_mm; });
+  };
   // What sinks into the table is not there, however well what is seen of it fits.
   const auto drop_sunk = [&](std::vector<Hypothesis>& some) {
     if (target.view.object->whole_frame) return;
@@ -555,6 +565,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
     });
   };
   drop_sunk(hypotheses);
+  drop_worse(hypotheses);
   Eigen::AlignedBox2d pixels;
   for (const auto& h : hypotheses)
     pixels.extend(covered_at_any_turn(target.view.frame->camera, *models[h.part], h.camera_from_model));
@@ -583,6 +594,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses) co
   }
   parallel_for(more.size(), [&](std::size_t i) { settle(more[i]); });
   drop_sunk(more);
+  drop_worse(more);
   parallel_for(more.size(), [&](std::size_t i) { more[i].cost = -compare(more[i]).log_likelihood; });
   hypotheses.insert(hypotheses.end(), more.begin(), more.end());
   sort_by_cost(hypotheses);

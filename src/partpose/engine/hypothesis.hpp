@@ -19,6 +19,7 @@ struct Hypothesis {
   int part = -1, view = -1;
   int seed = -1;  ///< the place in the frame that the start is about, where it is about one
   double cost = 0;
+  double left_mm = 0;                                       ///< mean distance of the object's points, each to a limit
   double template_cost = 0;                                 ///< mean difference of the template's cells, in caps
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< by the template
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
