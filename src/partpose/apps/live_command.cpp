@@ -203,9 +203,8 @@ struct Live {
     if (found.accepted < 0) return fmt::format("nothing recognized: {}", found.reason);
     const Detection best = detections_of(found, recognizer.catalogue())[0];
     const Eigen::Vector3d t = best.camera_from_model.translation();
-    return fmt::format("{} at ({:.1f}, {:.1f}, {:.1f}) mm, score {:.2f}{}", found.result.model_name, t.x(), t.y(),
-                       t.z(), best.score,
-                       best.confidence > 0 ? fmt::format(", confidence {:.2f}", best.confidence) : "");
+    return fmt::format("{} at ({:.1f}, {:.1f}, {:.1f}) mm{}", found.result.model_name, t.x(), t.y(), t.z(),
+                       certainty_text(best.score, &best));
   }
 };
 

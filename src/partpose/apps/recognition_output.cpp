@@ -70,16 +70,6 @@ Json detections_of(const Recognition& recognition, const Catalogue& catalogue) {
   return detections;
 }
 
-std::string certainty_text(float score, const Detection* detection) {
-  std::string text;
-  // Nothing is certain.
-  const auto shown = [](double probability) { return std::min(probability, 0.99); };
-  if (score >= 0) text += fmt::format(", score {:.2f}", shown(score));
-  if (detection && states_certainty(*detection))
-    text += fmt::format(", confidence {:.2f}", shown(detection->confidence));
-  return text;
-}
-
 std::string alternatives_text(const Detection& detection, const Catalogue& catalogue) {
   std::string text;
   for (const auto& alternative : detection.alternatives)
@@ -89,6 +79,16 @@ std::string alternatives_text(const Detection& detection, const Catalogue& catal
 }
 
 }  // namespace
+
+std::string certainty_text(float score, const Detection* detection) {
+  std::string text;
+  // Nothing is certain.
+  const auto shown = [](double probability) { return std::min(probability, 0.99); };
+  if (score >= 0) text += fmt::format(", score {:.2f}", shown(score));
+  if (detection && states_certainty(*detection))
+    text += fmt::format(", confidence {:.2f}", shown(detection->confidence));
+  return text;
+}
 
 Json line_of(const std::filesystem::path& scene, const Recognition& recognition, const Catalogue& catalogue) {
   const Result& result = recognition.result;

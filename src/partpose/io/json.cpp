@@ -5,6 +5,7 @@
 #include "partpose/core/pose.hpp"
 #include "partpose/io/file.hpp"
 
+#include <algorithm>
 #include <set>
 
 namespace partpose {
@@ -22,7 +23,10 @@ Json read_json_file(const std::filesystem::path& path) {
   try {
     return Json::parse(text, watch_keys, true, true);
   } catch (const Json::parse_error& error) {
-    throw Error("{}: byte {}: not valid JSON here", path.string(), error.byte);
+    const std::string before = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
+    const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+    const std::size_t line_start = before.rfind('\n') + 1;  // 0 where there is none
+    throw Error("{}: line {}, column {}: not valid JSON here", path.string(), line, before.size() - line_start + 1);
   } catch (const Json::exception& error) {
     throw Error("{}: not valid JSON: {}", path.string(), error.what());
   }

@@ -343,23 +343,24 @@ TEST(Json, PosesMustBeRigid) {
             "key \"pose[0][3]\": expected a number, got null");
 }
 
-TEST(JsonFile, BrokenOnesNameFileAndByte) {
+TEST(JsonFile, BrokenOnesNameFileAndPlace) {
   const TempFolder folder;
   const auto reading = [&](const std::string& text) {
     const auto path = folder.file("broken.json", text);
     return replaced(error_of([&] { read_json_file(path); }), path.string(), "FILE");
   };
-  EXPECT_EQ(reading("{\"a\": 1,}"), "FILE: byte 9: not valid JSON here");
-  EXPECT_EQ(reading("{\"a\": 1"), "FILE: byte 8: not valid JSON here");
-  EXPECT_EQ(reading("{\"a\": nope}"), "FILE: byte 8: not valid JSON here");
-  EXPECT_EQ(reading("{} {}"), "FILE: byte 4: not valid JSON here");
-  EXPECT_CONTAINS(reading("{'a': 1}"), "FILE: byte 2: ");
-  EXPECT_CONTAINS(reading("{\"a\": \"\xff\"}"), "FILE: byte 8: ");
-  EXPECT_CONTAINS(reading("{\"a\": 1} / comment"), "FILE: byte ");
-  EXPECT_CONTAINS(reading("{\"a\": 1} /* comment"), "FILE: byte ");
+  EXPECT_EQ(reading("{\"a\": 1,}"), "FILE: line 1, column 9: not valid JSON here");
+  EXPECT_EQ(reading("{\"a\": 1"), "FILE: line 1, column 8: not valid JSON here");
+  EXPECT_EQ(reading("{\"a\": nope}"), "FILE: line 1, column 8: not valid JSON here");
+  EXPECT_EQ(reading("{\n  \"a\": 1,\n  \"b\" 2\n}"), "FILE: line 3, column 7: not valid JSON here");
+  EXPECT_EQ(reading("{} {}"), "FILE: line 1, column 4: not valid JSON here");
+  EXPECT_CONTAINS(reading("{'a': 1}"), "FILE: line 1, column 2: ");
+  EXPECT_CONTAINS(reading("{\"a\": \"\xff\"}"), "FILE: line 1, column 8: ");
+  EXPECT_CONTAINS(reading("{\"a\": 1} / comment"), "FILE: line 1, column ");
+  EXPECT_CONTAINS(reading("{\"a\": 1} /* comment"), "FILE: line 1, column ");
   EXPECT_CONTAINS(reading("{\"a\": 1e999}"), "FILE: ");
-  EXPECT_CONTAINS(reading(std::string(100000, '[')), "FILE: byte 100001: ");
-  EXPECT_CONTAINS(reading(std::string("\0\0\0", 3)), "FILE: byte 1: ");
+  EXPECT_CONTAINS(reading(std::string(100000, '[')), "FILE: line 1, column 100001: ");
+  EXPECT_CONTAINS(reading(std::string("\0\0\0", 3)), "FILE: line 1, column 1: ");
   EXPECT_CONTAINS(reading(""), "FILE: byte 0: the file is empty");
 }
 
