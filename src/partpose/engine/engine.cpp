@@ -307,11 +307,13 @@ void Engine::Impl::examine(Target& target, const ShortlistOptions& options, Stag
   auto hypotheses = time("templates", [&] { return shortlist(model_of, target.view, options); });
   time("refine_1", [&] {
     refine(hypotheses, model_of, target.view, target.view.few, 6);
-    const std::size_t kept = models.size() > few_parts ? 300 : std::max<std::size_t>(24, hypotheses.size() / 4);
+    std::size_t kept = std::max<std::size_t>(24, hypotheses.size() / 4);
+    if (models.size() > few_parts)  // the right one may have many before it
+      kept = std::max(kept, static_cast<std::size_t>(9 * std::sqrt(static_cast<double>(models.size()))));
     hypotheses = best_of(std::move(hypotheses), kept, 2);
   });
   std::set<int> promising;
-  for (auto h = hypotheses.begin(); h != hypotheses.end() && promising.size() < few_parts; ++h)
+  for (auto h = hypotheses.begin(); h != hypotheses.end() && promising.size() < few_parts / 2; ++h)
     promising.insert(h->part);
   target.heard.insert(promising.begin(), promising.end());
   time("refine_2", [&] {
