@@ -184,7 +184,7 @@ echo "{$camera, \"fz\": 1}" >lonely.camera.json && bad "unknown camera key" 'did
 echo "{${camera/615/\"615\"}}" >lonely.camera.json && bad "wrong type" 'expected a number' recognize --models parts lonely.png
 echo "{${camera/640/320}}" >lonely.camera.json && bad "other size" '640 x 480' recognize --models parts lonely.png
 echo "{${camera/615/-615}}" >lonely.camera.json && bad "negative focal length" 'focal length' recognize --models parts lonely.png
-echo "{$camera" >lonely.camera.json && bad "broken JSON" 'lonely.camera.json: byte' recognize --models parts lonely.png
+echo "{$camera" >lonely.camera.json && bad "broken JSON" 'lonely.camera.json: line ' recognize --models parts lonely.png
 echo "{$camera}" >lonely.camera.json
 head -c 5000 "$frame" >lonely.png && bad "truncated PNG" "lonely.png" recognize --models parts lonely.png
 echo "this is no picture" >lonely.png && bad "not a PNG" "lonely.png" recognize --models parts lonely.png
@@ -239,7 +239,7 @@ config 's/"voxel_size": 1.0/"voxel_sise": 1.0/' && bad "unknown key" 'did you me
 config 's/"voxel_size": 1.0/"voxel_size": "1"/' && bad "wrong type" 'preprocessing.voxel_size' $(by_config)
 config 's/"voxel_size": 1.0/"voxel_size": -1/' && bad "out of range" 'voxel_size -1' $(by_config)
 config 's/"global_descriptor": "vfh"/"global_descriptor": "vhf"/' && bad "unknown descriptor" 'did you mean "vfh"' $(by_config)
-config '5d;6d' && head -c 100 c.json >c2.json && mv c2.json c.json && bad "not JSON" 'c.json: byte' $(by_config)
+config '5d;6d' && head -c 100 c.json >c2.json && mv c2.json c.json && bad "not JSON" 'c.json: line ' $(by_config)
 bad "no such configuration" "nowhere.json" recognize --dataset dataset --config nowhere.json s.pcd
 bad "no such dataset" "nowhere" recognize --dataset nowhere --config clouds.json s.pcd
 cp -r dataset half && rm half/dataset.json && bad "dataset without dataset.json" "dataset.json" index --dataset half
@@ -304,7 +304,7 @@ spec 's/"database": "small.json"/"descriptors": ["vhf"]/' && bad "experiment, un
 spec 's/"views": "small.json"/"views": "small.json", "captured": "scenes"/' && bad "experiment, two kinds of scenes" 'give one of "views", "captured" and "scenes"' experiment e.json -o e1
 spec 's/"groups": .*/"groups": [],/' && bad "experiment, no groups" "groups: give at least one" experiment e.json -o e1
 spec 's/"parts": .*/"parts": []}],/' && bad "experiment, no parts" "parts: give at least one" experiment e.json -o e1
-head -c 60 experiment.json >e.json && bad "experiment, not JSON" "e.json: byte" experiment e.json -o e1
+head -c 60 experiment.json >e.json && bad "experiment, not JSON" "e.json: line " experiment e.json -o e1
 bad "experiment, no file" "nowhere.json" experiment nowhere.json -o e1
 bad "experiment without output" "--output" experiment experiment.json
 [ ! -e e1 ] || fail "e1 was written"

@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
   auto* quiet = app.add_flag("-q,--quiet", common.quiet, "No progress, no report beyond the output asked for");
   app.add_flag("-v,--verbose", common.verbose, "Also say what is read and how long each step takes")->excludes(quiet);
   app.add_option("--threads", common.threads, "At most so many threads (0: as many as the machine has)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 4096));
   app.require_subcommand(1);
   app.fallthrough();
   app.get_formatter()->column_width(36);

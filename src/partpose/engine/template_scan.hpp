@@ -43,7 +43,8 @@ struct Look {
 /// In mm2 of surface that differs by the cap or more, so that parts of different size compare.
 float cost_of_step(const TemplateScale& scale);
 
-/// Those whose small templates are nearest to the object's: at most `most`, of each part at most `most_per_part`.
+/// Those whose small templates are nearest to the object's: at most `most`, of each part at most `most_per_part`. A part
+/// is left out when its coarse views (about 30 degrees apart) are all farther than `most` looks of parts before it.
 std::vector<Look> best_looks(std::span<const PartModel* const> models, const TurnedByScale& turned,
                              std::size_t most_per_part, std::size_t most);
 

@@ -155,7 +155,7 @@ TEST_F(BopFolder, DamageIsNamedByFileAndKey) {
   EXPECT_CONTAINS(with(gt, "\"3\":", "\"03\":"), "no error");
   EXPECT_CONTAINS(with(gt, "\"3\":", "\"00\":"), "the id 0 is given twice");
   EXPECT_CONTAINS(with(gt, "\"3\":", "\"x\":"), "key \"x\": an id");
-  EXPECT_CONTAINS(with(gt, "{", "[{"), "scene_gt.json: byte");
+  EXPECT_CONTAINS(with(gt, "{", "[{"), "scene_gt.json: line 6, column 1");
   EXPECT_CONTAINS(with(cameras, "40.5", "-40.5"), "key \"0.cam_K\": the focal lengths must be positive");
   EXPECT_CONTAINS(with(cameras, "\"depth_scale\":0.1", "\"depth_scale\":0"), "key \"0.depth_scale\": must be positive");
   EXPECT_CONTAINS(with(infos, "\"visib_fract\"", "\"visible\""), "key \"0[0].visib_fract\" is missing");
