@@ -312,7 +312,7 @@ void Engine::Impl::examine(Target& target, const ShortlistOptions& options, Stag
       kept = std::max(kept, static_cast<std::size_t>(9 * std::sqrt(static_cast<double>(models.size()))));
     hypotheses = best_of(std::move(hypotheses), kept, 2);
   });
-  std::set<int> promising;
+  std::set<int> promising;  // half of what can be looked at closely: an object may be examined twice
   for (auto h = hypotheses.begin(); h != hypotheses.end() && promising.size() < few_parts / 2; ++h)
     promising.insert(h->part);
   target.heard.insert(promising.begin(), promising.end());

@@ -8,7 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -25,12 +24,9 @@ class ShortlistTest : public testing::Test {
           shapes::box(Eigen::Vector3f(20 + 2 * static_cast<float>(i), 15 + static_cast<float>(i), 8))));
     models.push_back(std::make_unique<PartModel>(shapes::l_bracket()));
     for (const auto& model : models) all.push_back(model.get());
-    TriangleMesh scene = shapes::plane_patch(800, 600);
     const TriangleMesh bracket = shapes::l_bracket();
-    const float low = bounding_box(bracket).min().z();
-    const auto first = static_cast<int>(scene.vertices.size());
-    for (const auto& v : bracket.vertices) scene.vertices.emplace_back(v - Eigen::Vector3f(0, 0, low));
-    for (const auto& t : bracket.triangles) scene.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    const Eigen::Isometry3d onto_table(Eigen::Translation3d(0, 0, -bounding_box(bracket).min().z()));
+    const TriangleMesh scene = shapes::joined(shapes::plane_patch(800, 600), shapes::moved(bracket, onto_table));
     Eigen::Isometry3d camera_from_table(Eigen::Translation3d(0, 0, 500));
     camera_from_table.linear() =
         Eigen::AngleAxisd(140 * std::numbers::pi / 180, Eigen::Vector3d::UnitX()).toRotationMatrix();
