@@ -264,18 +264,21 @@ PartWindow window_of(const FramePieces& frame, const FrameObject& rest, const Pa
   return out;
 }
 
-/// A rendering's surface where it would go on beyond its outline, straight on. The inverse depth of a plane is linear
-/// in the image.
+/// A rendering's surface where it would go on beyond its outline, straight on: as it is at the outline, and as it is
+/// within a rounded or chamfered edge. The inverse depth of a plane is linear in the image.
 struct Beyond {
-  DepthImage depth;                ///< 0 where it does not reach
+  DepthImage depth, within_edge;   ///< 0 where it does not reach
   std::vector<std::uint8_t> step;  ///< pixels from the outline
 };
 /// `stride`: of the rendering's pixels, in the frame's.
 Beyond beyond_outline(const DepthImage& rendered, int reach_px, int stride) {
-  // The slope is that between two places some pixels within the outline, beyond a rounded edge.
-  const int near_px = std::max(1, 2 / stride), far_px = near_px + std::max(1, 6 / stride);
+  constexpr int edge_px = 6;
+  // The slope is that between two places some pixels within the outline.
+  const int near_px = std::max(1, 2 / stride), slope_px = std::max(1, 6 / stride);
+  const int within_px = near_px + std::max(1, edge_px / stride);
   const int width = rendered.width;
-  Beyond out{DepthImage(width, rendered.height), std::vector<std::uint8_t>(rendered.z_mm.size(), 0)};
+  Beyond out{DepthImage(width, rendered.height), DepthImage(width, rendered.height),
+             std::vector<std::uint8_t>(rendered.z_mm.size(), 0)};
   std::vector<int> nearest(rendered.z_mm.size(), -1), front, next;
   for (int p = 0; p < static_cast<int>(nearest.size()); ++p)
     if (rendered.z_mm[p] > 0) {
@@ -302,13 +305,16 @@ Beyond beyond_outline(const DepthImage& rendered, int reach_px, int stride) {
                      ? 1 / rendered.at(uu, vv)
                      : 0.0f;
         };
-        const float near = inverse_within(near_px), far = inverse_within(far_px);
-        if (!(near > 0) || !(far > 0)) continue;
-        const float inverse =
-            near + (near - far) * (distance + static_cast<float>(near_px)) / static_cast<float>(far_px - near_px);
-        if (!(inverse > 0)) continue;
-        out.depth.z_mm[p] = 1 / inverse;
-        out.step[p] = static_cast<std::uint8_t>(step);
+        const auto straight_on = [&](int from_px) {
+          const float near = inverse_within(from_px), far = inverse_within(from_px + slope_px);
+          if (!(near > 0) || !(far > 0)) return 0.0f;
+          const float inverse =
+              near + (near - far) * (distance + static_cast<float>(from_px)) / static_cast<float>(slope_px);
+          return inverse > 0 ? 1 / inverse : 0.0f;
+        };
+        out.depth.z_mm[p] = straight_on(near_px);
+        out.within_edge.z_mm[p] = straight_on(within_px);
+        if (out.depth.z_mm[p] > 0) out.step[p] = static_cast<std::uint8_t>(step);
       }
   }
   return out;
@@ -470,11 +476,14 @@ class Separation {
           trial.conflicts += std::abs(rendered.z_mm[p] - window.frame.depth.z_mm[p]) < 4 * noise_at(trial.hypothesis);
         const bool is_ring = beyond.step[p] > reach && beyond.step[p] <= reach + ring;
         trial.outline += is_ring && window.frame.depth.z_mm[p] > 0;
-        const bool goes_on = beyond.depth.z_mm[p] > 0 && std::abs(beyond.depth.z_mm[p] - window.frame.depth.z_mm[p]) <
-                                                             3 * noise_at(trial.hypothesis);
+        const auto lies_on = [&](const DepthImage& surface) {
+          return surface.z_mm[p] > 0 &&
+                 std::abs(surface.z_mm[p] - window.frame.depth.z_mm[p]) < 3 * noise_at(trial.hypothesis);
+        };
+        const bool straight_on = lies_on(beyond.depth), goes_on = straight_on || lies_on(beyond.within_edge);
         trial.no_outline += is_ring && goes_on && (label == PixelLabel::object || is_piece(window, p));
         trial.goes_on += is_ring && goes_on && label == PixelLabel::object;
-        if (label == PixelLabel::object && !goes_on && !is_near[p]) label = PixelLabel::nothing;
+        if (label == PixelLabel::object && !straight_on && !is_near[p]) label = PixelLabel::nothing;
       }
     const SensorModel sensor{.noise_mm = noise_at(trial.hypothesis),
                              .outline_px = reach,
@@ -504,11 +513,14 @@ class Separation {
     PartWindow window = window_of(frame_, rest, model, trial.hypothesis.camera_from_model, wanted_pixels, outline_px);
     for (std::size_t p = 0; p < window.frame.label.size(); ++p)
       if (window.frame.label[p] != PixelLabel::object) window.frame.depth.z_mm[p] = 0;
+    const double noise_mm = noise_at(trial.hypothesis);
+    const DepthNoise noise{.local_mm = 0.5 * noise_mm, .total_mm = noise_mm};  // about as of a stereo camera
     const auto refined =
         refine_projectively(model.surface, trial.hypothesis.camera_from_model, window.frame.depth, window.frame.camera,
-                            {.gate_mm = static_cast<float>(std::max(6 * noise_at(trial.hypothesis), 2.0)),
+                            {.gate_mm = static_cast<float>(std::max(6 * noise_mm, 2.0)),
                              .max_iterations = 3,
-                             .faces = model.surface.faces});
+                             .faces = model.surface.faces,
+                             .damping = polish_damping(noise, window.stride, model.diameter_mm)});
     if (!std::isfinite(refined.rms_mm)) return;
     trial.hypothesis.camera_from_model = refined.camera_from_model;
     compare(trial, rest);

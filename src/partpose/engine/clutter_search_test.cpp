@@ -129,6 +129,39 @@ TEST_F(ClutterSearchTest, FindsAPartOfWhichAPlateHidesMuch) {
   EXPECT_GE(found, turns - 1);
 }
 
+/// A disc of 60 mm whose upper edge is chamfered by 4 mm.
+TriangleMesh chamfered_disc() {
+  constexpr int sides = 48;
+  const std::vector<std::pair<double, double>> profile = {{0, 0}, {30, 0}, {30, 10}, {26, 14}, {0, 14}};  // radius, z
+  TriangleMesh mesh;
+  for (const auto& [radius, z] : profile)
+    for (int k = 0; k < sides; ++k) {
+      const double turn = 2 * std::numbers::pi * k / sides;
+      mesh.vertices.emplace_back(Eigen::Vector3d(radius * std::cos(turn), radius * std::sin(turn), z).cast<float>());
+    }
+  for (int ring = 0; ring + 1 < static_cast<int>(profile.size()); ++ring)
+    for (int k = 0; k < sides; ++k) {
+      const int next = (k + 1) % sides;
+      shapes::add_quad(mesh, ring * sides + k, ring * sides + next, (ring + 1) * sides + next, (ring + 1) * sides + k);
+    }
+  return mesh;
+}
+
+TEST_F(ClutterSearchTest, AChamferedDiscIsNoPlaceOnALargerPlate) {
+  const Engine discs({named("disc", chamfered_disc()), named("bracket", shapes::l_bracket())});
+  Random random(3);
+  const TriangleMesh bracket = shapes::l_bracket();
+  for (const float length_mm : {70.0f, 90.0f, 110.0f}) {
+    const Eigen::Isometry3d pose = bracket_at(bracket, 0, 0, 0);
+    const auto beside = static_cast<float>((pose * bounding_box(bracket).max()).x() + 0.3);
+    const auto low = static_cast<float>((pose * bounding_box(bracket).min()).y());
+    TriangleMesh scene = shapes::joined(table, shapes::moved(bracket, pose));
+    scene = shapes::joined(scene, shapes::box({beside, low, 0}, {beside + 66, low + length_mm, 14}));
+    const Recognition r = discs.recognize(measured(scene, random), camera);
+    for (const auto& detection : r.detections) EXPECT_NE(detection.part, 0) << length_mm;
+  }
+}
+
 TEST(AnchoredHypotheses, TheTruePoseIsAmongTheFirst) {
   const PartModel model(shapes::l_bracket());
   const std::vector<const PartModel*> models = {&model};

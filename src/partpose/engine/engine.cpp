@@ -58,6 +58,7 @@ struct Target {
   bool is_weak() const { return best_score < (partly_hidden ? weak_when_hidden : weak); }
   static constexpr double weak = 0.65, weak_when_hidden = 0.8;
   static constexpr double strong = 0.85;  ///< with such a score its pieces are nothing else
+  DepthNoise noise() const { return {std::min(local_noise_mm, noise_mm), noise_mm}; }
   /// What the best fit leaves, in mm.
   double left_mm() const {
     double least_mm = std::numeric_limits<double>::infinity();
@@ -164,7 +165,8 @@ struct Engine::Impl {
   void decide(Target& target) const;
   /// Where each pixel errs for itself, all of them tell where the part is: moves the best candidate onto all.
   void finish(Target& target) const;
-  ProjectiveRefinement move_onto(const DepthImage& depth, const Target& target, const Intrinsics& camera,
+  /// `stride`: of the window's pixels.
+  ProjectiveRefinement move_onto(const DepthImage& depth, const Target& target, const FrameWindow& window, int stride,
                                  int iterations, Candidate& candidate) const;
   /// Of the best candidate's pose. `stride`: of the pixels that it was fitted to.
   Matrix6d covariance_of(const Target& target, const ProjectiveRefinement& fit, int stride) const;
@@ -634,19 +636,21 @@ void Engine::Impl::polish(Target& target) const {
   for (std::size_t i = 0; i < contenders; ++i)
     pixels.extend(models[part_of(candidates[i])]->covered(target.view.frame->camera, candidates[i].camera_from_model));
   target.fine = window_about(target.view, pixels, fine_pixels);
+  const int stride = stride_for(target.view, fine_pixels);
   const DepthImage depth = object_depth(target.fine);
   parallel_for(contenders,
-               [&](std::size_t i) { target.fit[i] = move_onto(depth, target, target.fine.camera, 3, candidates[i]); });
+               [&](std::size_t i) { target.fit[i] = move_onto(depth, target, target.fine, stride, 3, candidates[i]); });
   target.polished = true;
 }
 
-ProjectiveRefinement Engine::Impl::move_onto(const DepthImage& depth, const Target& target, const Intrinsics& camera,
-                                             int iterations, Candidate& candidate) const {
+ProjectiveRefinement Engine::Impl::move_onto(const DepthImage& depth, const Target& target, const FrameWindow& window,
+                                             int stride, int iterations, Candidate& candidate) const {
   const PartModel& model = *models[part_of(candidate)];
-  const auto refined = refine_projectively(model.surface, candidate.camera_from_model, depth, camera,
+  const auto refined = refine_projectively(model.surface, candidate.camera_from_model, depth, window.camera,
                                            {.gate_mm = static_cast<float>(std::max(6 * target.noise_mm, 2.0)),
                                             .max_iterations = iterations,
-                                            .faces = model.surface.faces});
+                                            .faces = model.surface.faces,
+                                            .damping = polish_damping(target.noise(), stride, model.diameter_mm)});
   candidate.T4 = refined.camera_from_model * candidate.camera_from_model.inverse() * candidate.T4;
   candidate.camera_from_model = refined.camera_from_model;
   candidate.icp_converged = std::isfinite(refined.rms_mm);
@@ -661,7 +665,7 @@ void Engine::Impl::finish(Target& target) const {
   Candidate& best = target.candidates[0];
   const Eigen::AlignedBox2d pixels = models[part_of(best)]->covered(target.view.frame->camera, best.camera_from_model);
   const FrameWindow window = window_about(target.view, pixels, all);
-  const auto fit = move_onto(object_depth(window), target, window.camera, 2, best);
+  const auto fit = move_onto(object_depth(window), target, window, 1, 2, best);
   if (!std::isfinite(fit.rms_mm)) return;
   target.detection.camera_from_model = best.camera_from_model;
   target.detection.covariance = covariance_of(target, fit, 1);
@@ -714,8 +718,7 @@ void Engine::Impl::decide(Target& target) const {
 Matrix6d Engine::Impl::covariance_of(const Target& target, const ProjectiveRefinement& fit, int stride) const {
   const Candidate& best = target.candidates[0];
   const PartModel& model = *models[part_of(best)];
-  return pose_covariance(fit.hessian, fit.centre_mm, best.camera_from_model * model.middle_mm,
-                         {std::min(target.local_noise_mm, target.noise_mm), target.noise_mm}, stride,
+  return pose_covariance(fit.hessian, fit.centre_mm, best.camera_from_model * model.middle_mm, target.noise(), stride,
                          model.diameter_mm);
 }
 

@@ -110,11 +110,19 @@ bool looks_the_same(const TriangleMesh& a, const Eigen::Isometry3d& camera_from_
   return differing <= most_differing * seen && squared <= sensor.noise_mm * sensor.noise_mm * seen;
 }
 
+double pixel_variance_mm2(const DepthNoise& noise, int stride) {
+  const double slow_mm2 = std::max(noise.total_mm * noise.total_mm - noise.local_mm * noise.local_mm, 0.0);
+  return noise.local_mm * noise.local_mm + slow_mm2 * std::max(alike_px / (stride * stride), 1.0);
+}
+
+double polish_damping(const DepthNoise& noise, int stride, double diameter_mm) {
+  constexpr double known_share = 0.02;
+  return pixel_variance_mm2(noise, stride) / std::pow(known_share * diameter_mm, 2);
+}
+
 Matrix6d pose_covariance(const Matrix6d& hessian, const Eigen::Vector3d& centre_mm, const Eigen::Vector3d& middle_mm,
                          const DepthNoise& noise, int stride, double size_mm) {
-  const double slow_mm2 = std::max(noise.total_mm * noise.total_mm - noise.local_mm * noise.local_mm, 0.0);
-  const double variance_mm2 = noise.local_mm * noise.local_mm + slow_mm2 * std::max(alike_px / (stride * stride), 1.0);
-  Matrix6d information = hessian / variance_mm2;
+  Matrix6d information = hessian / pixel_variance_mm2(noise, stride);
   information.diagonal().head<3>().array() += 1 / (std::numbers::pi * std::numbers::pi);
   information.diagonal().tail<3>().array() += 1 / (size_mm * size_mm);
   const Matrix6d about_centre = information.ldlt().solve(Matrix6d::Identity());

@@ -47,6 +47,13 @@ struct DepthNoise {
   double local_mm = 1, total_mm = 1;
 };
 
+/// What every `stride`-th pixel errs by, as if each erred for itself.
+double pixel_variance_mm2(const DepthNoise& noise, int stride);
+
+/// For `refine_projectively` from a pose that is right to about 2 % of the part's size: where every `stride`-th pixel
+/// tells less than that, nothing moves. A box of which one side is seen would slide along it by what the waves make up.
+double polish_damping(const DepthNoise& noise, int stride, double diameter_mm);
+
 /// Covariance of a pose from the normal equations of its last refinement about `centre_mm`, for every `stride`-th
 /// pixel; given about `middle_mm` (both camera frame): rotation vector [rad], then translation [mm]. Directions that
 /// the surface leaves free have that of a pose of which nothing is known but the part's size.

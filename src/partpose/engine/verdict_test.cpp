@@ -108,6 +108,15 @@ TEST(Verdict, AKeywayThatPointsAwayLooksTheSame) {
   EXPECT_FALSE(looks_the_same(bracket, pose, bracket, turned, camera, {.noise_mm = 0.5}));
 }
 
+TEST(Verdict, PolishingIsDampedByWavesAndForSmallParts) {
+  const DepthNoise independent{1, 1}, waves{0.5, 1};
+  EXPECT_NEAR(pixel_variance_mm2(independent, 1), 1, 1e-9);
+  EXPECT_GT(pixel_variance_mm2(waves, 1), 50);
+  EXPECT_NEAR(pixel_variance_mm2(waves, 100), 1, 1e-9);  // so far apart each errs for itself
+  EXPECT_LT(polish_damping(independent, 1, 100), 1);     // of hundreds of pixels
+  EXPECT_NEAR(polish_damping(waves, 1, 50), 4 * polish_damping(waves, 1, 100), 1e-9);
+}
+
 TEST(Verdict, TheCovarianceIsThatOfTheNormalEquations) {
   // Points on three faces of a box about the centre determine all six.
   Matrix6d hessian = Matrix6d::Zero();

@@ -8,7 +8,7 @@
 
 namespace partpose {
 
-Vector6d NormalEquations::solve() const {
+Vector6d NormalEquations::solve(double damping) const {
   const double extent_mm = weight > 0 ? std::sqrt(squared_extent_mm2 / weight) : 0.0;
   if (!(extent_mm > 0)) return Vector6d::Zero();
   Vector6d scale;
@@ -19,7 +19,7 @@ Vector6d NormalEquations::solve() const {
   for (int k = 0; k < 6; ++k) {
     if (!(solver.eigenvalues()[k] > smallest)) continue;
     const Vector6d direction = solver.eigenvectors().col(k);
-    solution -= direction * (direction.dot(scale.asDiagonal() * gradient) / solver.eigenvalues()[k]);
+    solution -= direction * (direction.dot(scale.asDiagonal() * gradient) / (solver.eigenvalues()[k] + damping));
   }
   return scale.asDiagonal() * solution;
 }

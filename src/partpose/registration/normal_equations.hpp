@@ -28,8 +28,9 @@ struct NormalEquations {
   }
 
   /// The minimum in the directions that the residuals determine; the others stay 0. Rotations are scaled by the points'
-  /// extent so that all six unknowns are lengths. Zero when nothing is determined.
-  Vector6d solve() const;
+  /// extent so that all six unknowns are lengths. Zero when nothing is determined. `damping`: added to each direction's
+  /// weight, so that what is hardly determined hardly moves (Levenberg 1944).
+  Vector6d solve(double damping = 0) const;
 };
 
 }  // namespace partpose

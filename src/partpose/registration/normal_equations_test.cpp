@@ -99,6 +99,17 @@ TEST(NormalEquations, DoNotDependOnTheUnitOfLength) {
   EXPECT_LT((in_m.tail<3>() * 1000 - in_mm.tail<3>()).norm(), 1e-6);
 }
 
+TEST(NormalEquations, DampingHoldsWhatIsHardlyDetermined) {
+  NormalEquations equations;
+  equations.hessian.diagonal() << 100, 100, 100, 100, 100, 1;
+  equations.gradient << 0, 0, 0, -100, 0, -1;
+  equations.squared_extent_mm2 = equations.weight = 100;
+  EXPECT_NEAR(equations.solve()[3], 1, 1e-9);
+  EXPECT_NEAR(equations.solve()[5], 1, 1e-9);
+  EXPECT_NEAR(equations.solve(4)[3], 100 / 104.0, 1e-9);
+  EXPECT_NEAR(equations.solve(4)[5], 1 / 5.0, 1e-9);
+}
+
 TEST(NormalEquations, NothingDeterminesNothing) {
   EXPECT_EQ(NormalEquations{}.solve(), Vector6d::Zero());
   const Row at_the_centre = {Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), 3, 1};

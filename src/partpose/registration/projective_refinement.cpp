@@ -131,7 +131,7 @@ ProjectiveRefinement refine_projectively(const TriangleMesh& mesh, const Eigen::
     out.rms_mm = std::sqrt(squared / equations.weight);
     out.hessian = equations.hessian;
     out.centre_mm = centre;
-    const Vector6d solution = equations.solve();
+    const Vector6d solution = equations.solve(options.damping);
     Eigen::Isometry3d step = Eigen::Isometry3d::Identity();
     step.linear() = rotation_from_vector(solution.head<3>());
     step.translation() = centre + solution.tail<3>() - step.linear() * centre;

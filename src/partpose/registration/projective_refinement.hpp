@@ -18,6 +18,7 @@ struct ProjectiveRefinementOptions {
   int max_iterations = 10;
   float converged_mm = 0.02f;  ///< an iteration that moves the part's surface by less is the last
   Faces faces = Faces::both;   ///< that are drawn
+  double damping = 0;          ///< of each iteration's step, in pairs: what fewer pairs determine hardly moves
 };
 
 struct ProjectiveRefinement {

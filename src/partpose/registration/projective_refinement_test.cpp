@@ -82,6 +82,20 @@ TEST(ProjectiveRefinement, PixelsBeyondTheGateDoNotCount) {
   EXPECT_LT(largest_distance_mm(wider.camera_from_model, Eigen::Translation3d(0, 0, 11) * good_pose()), 0.5);
 }
 
+TEST(ProjectiveRefinement, DampingHoldsAgainstFewPixels) {
+  const auto mesh = l_bracket();
+  auto depth = render(mesh, good_pose(), camera).depth;
+  int kept = 0;
+  for (float& z : depth.z_mm) z = z > 0 && kept++ < 300 ? z + 2 : 0;
+  const auto moved_mm = [&](double damping) {
+    const auto result = refine_projectively(mesh, good_pose(), depth, camera, {.damping = damping});
+    return largest_distance_mm(result.camera_from_model, good_pose());
+  };
+  EXPECT_GT(moved_mm(0), 1);
+  EXPECT_LT(moved_mm(3000), 0.8 * moved_mm(0));
+  EXPECT_LT(moved_mm(1e6), 0.05);
+}
+
 TEST(ProjectiveRefinement, WithoutPixelsInCommonNothingMoves) {
   const auto mesh = l_bracket();
   const DepthImage empty(camera.width, camera.height);
