@@ -381,7 +381,7 @@ for recognizer in engine recognizer; do
   grep -q '"pose_right"' out.txt || fail "captured --json: $(head -c 300 out.txt)"
 done
 good "a higher score is asked for" recognize --models parts --min-score 1 --json "$frame"
-grep -q '"model_name":null.*below 1.00' out.txt || fail "recognize --min-score: $(head -c 300 out.txt)"
+grep -q '"model_name":null.*below 1' out.txt || fail "recognize --min-score: $(head -c 300 out.txt)"
 bad "a score beyond 1" "must be 0 to 1" recognize --models parts --min-score 2 "$frame"
 bad "a kind that no scene has" "its kinds are" captured "$root/scenes" --models "$root/parts" --kind instanc
 bad "unknown recognizer" "magic" recognize --models parts --recognizer magic "$frame"
@@ -550,6 +550,16 @@ bad "unknown option of all" 'did you mean --version' --versoin
 bad "what is missing" 'scenes is required (see partpose recognize --help)' recognize --models parts
 bad "no scenes" "scenes" recognize --models parts
 bad "neither parts nor dataset" "--models" recognize "$frame"
+
+echo "-- a full disk behind standard output"
+for arguments in "recognize --models parts $frame" "recognize --models parts --json $frame" "inspect parts" "config"; do
+  checks=$((checks + 1))
+  # shellcheck disable=SC2086
+  "$partpose" $arguments >/dev/full 2>err.txt </dev/null
+  code=$?
+  [ $code -eq 2 ] || fail "$arguments: exit code $code instead of 2 when its output is lost: $(cat err.txt)"
+  ! grep -q "a fault of partpose" err.txt || fail "$arguments: $(cat err.txt)"
+done
 
 echo "$checks checks, $failures failed"
 [ $failures -eq 0 ]

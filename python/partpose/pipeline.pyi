@@ -1061,17 +1061,18 @@ class Explanation:
     explained_pixels: of those looked at
     agreement: mean of both directions, 0 to 1
     deviation: rms of the depths' differences, in the noise's standard deviations
+    roughness: the same from their mean within some pixels, in standard deviations of what neighbouring pixels differ by
     unexplained: share of the object's pixels
-    farther: share of the part's visible pixels where something farther was measured
     free_space: share of the part's visible pixels before what was measured, or beneath the table, not beside an outline
     not_measured: share of the part's visible pixels where nothing was measured
     beside: share of the part's visible pixels that are not the object's, but next to its outline
     noise: standard deviation of a depth, over the extent of what is seen
+    relief: of what is seen from its best plane, in the noise's standard deviations
     height: of the part's lowest place above the table, in diameters; below 0 it sinks in
     height_deviations: the same in the noise's standard deviations
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, explained_pixels: int = ..., agreement: float = ..., deviation: float = ..., unexplained: float = ..., farther: float = ..., free_space: float = ..., not_measured: float = ..., beside: float = ..., noise: float = ..., height: float = ..., height_deviations: float = ...) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, explained_pixels: int = ..., agreement: float = ..., deviation: float = ..., roughness: float = ..., unexplained: float = ..., free_space: float = ..., not_measured: float = ..., beside: float = ..., noise: float = ..., relief: float = ..., height: float = ..., height_deviations: float = ...) -> None: ...
 
     @property
     def explained_pixels(self) -> int:
@@ -1095,20 +1096,20 @@ class Explanation:
     def deviation(self, value: float, /) -> None: ...
 
     @property
+    def roughness(self) -> float:
+        """
+        the same from their mean within some pixels, in standard deviations of what neighbouring pixels differ by
+        """
+
+    @roughness.setter
+    def roughness(self, value: float, /) -> None: ...
+
+    @property
     def unexplained(self) -> float:
         """share of the object's pixels"""
 
     @unexplained.setter
     def unexplained(self, value: float, /) -> None: ...
-
-    @property
-    def farther(self) -> float:
-        """
-        share of the part's visible pixels where something farther was measured
-        """
-
-    @farther.setter
-    def farther(self, value: float, /) -> None: ...
 
     @property
     def free_space(self) -> float:
@@ -1141,6 +1142,15 @@ class Explanation:
 
     @noise.setter
     def noise(self, value: float, /) -> None: ...
+
+    @property
+    def relief(self) -> float:
+        """
+        of what is seen from its best plane, in the noise's standard deviations
+        """
+
+    @relief.setter
+    def relief(self, value: float, /) -> None: ...
 
     @property
     def height(self) -> float:

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <memory>
 
 namespace partpose::apps {
@@ -33,6 +34,15 @@ void run(const ExperimentArguments& arguments, const Common& common) {
   };
   const auto records = run_experiment(arguments.spec, arguments.output, terminal_progress(common), adjust);
   const auto spec = read_json<ExperimentSpec>(arguments.output / "experiment.json");
+  for (const auto& group : spec.groups)
+    for (const auto& protocol : spec.protocols)
+      if (protocol.left_out && std::none_of(records.begin(), records.end(), [&](const FrameRecord& record) {
+            return record.group == group.name && record.protocol == protocol.name;
+          }))
+        complain(
+            fmt::format("{} / {}: no frames, since without the part shown no part would be left to find; give "
+                        "the group another part",
+                        group.name, protocol.name));
   if (arguments.json) {
     Json runs = Json::array();
     for (const auto& s : summarize_runs(records, spec))

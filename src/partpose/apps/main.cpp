@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace {
@@ -116,6 +117,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (const int code = apps::exit_code_of_signal()) return fail("interrupted", code);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return fail("standard output could not be written whole");
     return common.failures == 0 ? apps::done : apps::bad_input;
   } catch (const apps::Interrupted&) {
     return fail("interrupted", apps::exit_code_of_signal());
@@ -126,6 +128,8 @@ int main(int argc, char** argv) {
     return fail(error.what());
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(fmt::format("{}: {}", error.path1().string(), error.code().message()));
+  } catch (const std::system_error& error) {
+    return fail(error.what());
   } catch (const std::bad_alloc&) {
     return fail("out of memory: the input is too large for this machine");
   } catch (const std::exception& error) {

@@ -33,11 +33,11 @@ Recognition one_object() {
 /// As a recognizer gives it that finds several objects and says how sure it is.
 Recognition two_objects() {
   Recognition recognition = one_object();
-  Detection first{0, at(1), 0.75f, {}, 0.9, {}, {{1, at(2), 0.08}}};
+  Detection first{0, at(1), 0.75f, 0.9, {}, {{1, at(2), 0.08}}};
   first.explanation = Explanation{.explained_pixels = 900, .agreement = 0.95};
   first.covariance(0, 0) = 1e-4;
   first.covariance(5, 5) = 0.25;
-  recognition.detections = {first, {1, at(50), 0.5f, {}, 0.6, {}, {}}};
+  recognition.detections = {first, {1, at(50), 0.5f, 0.6}};
   recognition.detections[1].covariance.setZero();
   return recognition;
 }

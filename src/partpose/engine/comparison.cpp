@@ -277,7 +277,6 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
         const std::size_t p = static_cast<std::size_t>(v0 + v) * frame_.depth.width + u0 + u;
         const float measured_z = frame_.depth.z_mm[p];
         const bool measured = frame_.label[p] != PixelLabel::nothing;
-        out.farther += measured && measured_z - model_z > 3 * noise_mm;
         const float near = near_object_[p] ? object_.smallest_difference(model_z, u0 + u, v0 + v) : nowhere_mm;
         if (measured && std::abs(model_z - measured_z) < 4 * noise_mm) {
           // Measured, but taken for the table, as what lies low on it is: the likelier of the two.

@@ -41,22 +41,21 @@ struct FrameWindow : LabelledDepth {
 /// A rendering against a frame, pixel by pixel, in both directions. Next to an outline (`SensorModel::outline_px`) a
 /// camera may add to an object and take from it: such pixels say little.
 struct DepthComparison {
-  int model = 0;                ///< pixels where the part is rendered
-  int explained = 0;            ///< of them: measured there within three deviations, or at a neighbour
-  int free_space = 0;           ///< of them: before what was measured; the part cannot be there
-  int farther = 0;              ///< of them: not the object's, and what was measured is farther; beside an outline too
-  int below_table = 0;          ///< of them: beneath the table that was measured there; the part cannot be there
-  int hidden = 0;               ///< of them: behind something else that was measured
-  int nothing = 0;              ///< of them: nothing was measured
-  int model_outline = 0;        ///< of them: not the object's, but next to it
-  int object = 0;               ///< pixels of the object
-  int unexplained = 0;          ///< of them: no part is rendered there within three deviations, nor at a neighbour
-  int object_outline = 0;       ///< of them: not the part's, but next to it
-  int near = 0;                 ///< pixels of both whose depths are at once within six deviations
-  double near_deviations = 0;   ///< sum of their squares, in deviations
-  double local_deviations = 0;  ///< sum of squares over the pixels that are explained at once, each at most nine:
-                                ///< from the mean within `waves_px`, in which a camera's slow waves are
-  double log_likelihood = 0;    ///< sum over the pixels; 0: what a surface of unknown shape would have
+  int model = 0;                   ///< pixels where the part is rendered
+  int explained = 0;               ///< of them: measured there within three deviations, or at a neighbour
+  int free_space = 0;              ///< of them: before what was measured; the part cannot be there
+  int below_table = 0;             ///< of them: beneath the table that was measured there; the part cannot be there
+  int hidden = 0;                  ///< of them: behind something else that was measured
+  int nothing = 0;                 ///< of them: nothing was measured
+  int model_outline = 0;           ///< of them: not the object's, but next to it
+  int object = 0;                  ///< pixels of the object
+  int unexplained = 0;             ///< of them: no part is rendered there within three deviations, nor at a neighbour
+  int object_outline = 0;          ///< of them: not the part's, but next to it
+  int near = 0;                    ///< pixels of both whose depths are at once within six deviations
+  double near_deviations = 0;      ///< sum of their squares, in deviations
+  double local_deviations = 0;     ///< sum of squares over the pixels that are explained at once, each at most nine:
+                                   ///< from the mean within `waves_px`, in which a camera's slow waves are
+  double log_likelihood = 0;       ///< sum over the pixels; 0: what a surface of unknown shape would have
   double best_log_likelihood = 0;  ///< of a rendering that meets every object pixel exactly
   double soft = 0;                 ///< sum of the agreement of both directions, each pixel 0 to 1
   double judged = 0;               ///< the most that this could be; what is hidden is not judged

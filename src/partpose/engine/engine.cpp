@@ -15,6 +15,8 @@
 #include "partpose/preprocess/segmentation.hpp"
 #include "partpose/registration/projective_refinement.hpp"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -31,6 +33,7 @@ struct Target {
   ObjectView view;
   double noise_mm;                        ///< of the depths about a part that fits: slow waves are in it
   double extent_mm = 0;                   ///< about the diameter of what is seen
+  double relief_mm = 0;                   ///< standard deviation of what is seen from its best plane
   double local_noise_mm;                  ///< of the depths from pixel to pixel
   std::vector<Candidate> candidates;      ///< best first
   std::vector<double> log_likelihoods;    ///< of the candidates, of the coarse comparison
@@ -44,8 +47,14 @@ struct Target {
 
   Target(const FramePieces& frame, const FrameObject& object)
       : view(frame, object), noise_mm(view.noise_mm), local_noise_mm(std::max(view.local_noise_mm, 0.05)) {
-    for (const auto& p : view.points.points_mm) extent_mm += (p.cast<double>() - view.all.centre_mm()).squaredNorm();
-    extent_mm = 3 * std::sqrt(extent_mm / std::max<double>(static_cast<double>(view.points.points_mm.size()), 1));
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const auto& p : view.points.points_mm) {
+      const Eigen::Vector3d arm = p.cast<double>() - view.all.centre_mm();
+      spread += arm * arm.transpose();
+    }
+    spread /= std::max<double>(static_cast<double>(view.points.points_mm.size()), 1);
+    extent_mm = 3 * std::sqrt(spread.trace());
+    relief_mm = std::sqrt(std::max(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues()[0], 0.0));
   }
   /// By which the frame's objects compete: how sure (odds) and how large. What hides a part may be the larger one.
   double evidence() const {
@@ -113,13 +122,17 @@ constexpr std::size_t few_parts = 32;  ///< so many can be looked at closely
 constexpr int coarse_pixels = 800, fine_pixels = 2500;
 constexpr std::size_t most_contenders = 6;
 
-/// Of those in order the first, and after it so many that every part is heard before any part is a third time.
+/// So much less likely than the best, by the coarse comparison, a closer look may still put first.
+double contender_margin(double best_log_likelihood) { return 0.15 * std::abs(best_log_likelihood) + 30; }
+
+/// Of those in order the contenders first, so that every part among them is heard before any is a third time.
 std::vector<Hypothesis> contenders_first(std::vector<Hypothesis> sorted) {
   std::map<int, int> of_part;
   std::vector<Hypothesis> first, rest;
   for (auto& h : sorted) {
-    const bool heard = ++of_part[h.part] <= 2 && first.size() < most_contenders;
-    (heard ? first : rest).push_back(std::move(h));
+    const bool contends = h.cost < sorted[0].cost + contender_margin(sorted[0].cost);
+    const bool heard = contends && ++of_part[h.part] <= 2 && first.size() < most_contenders;
+    (heard ? first : rest).push_back(h);
   }
   first.insert(first.end(), std::make_move_iterator(rest.begin()), std::make_move_iterator(rest.end()));
   return first;
@@ -153,8 +166,8 @@ struct Engine::Impl {
   /// of, and drops targets that explain less than they.
   void add_separated(std::vector<Target>& targets, const FramePieces& frame, const std::vector<SeparatedPart>& parts,
                      StageTimes& time) const;
-  /// Whether a closer look may find a part, or another one.
-  bool is_worth_a_search(const Target& target) const;
+  /// Whether a closer look may find a part, or another one. `beside_another`: of which the part is known.
+  bool is_worth_a_search(const Target& target, bool beside_another) const;
   /// The models for a search that looks at every part; of a large catalogue only those heard, null for the others.
   std::vector<const PartModel*> models_to_search(const std::set<int>& heard) const;
   /// `one_part`: all of the object's points are expected on one part, so that what leaves more of them than another
@@ -183,7 +196,12 @@ struct Engine::Impl {
             .size_mm = target.extent_mm};
   }
   PartInFrame in_frame(const Target& target, int part, const Eigen::Isometry3d& camera_from_model) const {
-    PartInFrame out{target.noise_mm, target.extent_mm, models[part]->diameter_mm, {}};
+    PartInFrame out{.noise_mm = target.noise_mm,
+                    .local_noise_mm = target.local_noise_mm,
+                    .relief_mm = target.relief_mm,
+                    .extent_mm = target.extent_mm,
+                    .diameter_mm = models[part]->diameter_mm,
+                    .height_mm = {}};
     if (!target.view.object->whole_frame)
       out.height_mm = height_above_table_mm(*target.view.frame, *models[part], camera_from_model);
     return out;
@@ -367,7 +385,8 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
   std::set<int> heard;  // of what is weakly explained
   for (auto& target : targets) {
     const FrameObject& object = *target.view.object;
-    if (!is_worth_a_search(target) || may_be_one_part || (object.labels & labels.well).any()) continue;
+    if (!is_worth_a_search(target, labels.well.any()) || may_be_one_part || (object.labels & labels.well).any())
+      continue;
     if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
     auto hypotheses =
         time("anchored", [&] { return anchored_hypotheses(models_to_search(target.heard), frame, object); });
@@ -427,15 +446,17 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   }
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
   if (targets.empty()) {
-    r.reason = "nothing that stands out is like any of the parts: too few points, too much noise, or too large";
+    r.reason =
+        "nothing that stands out is like any of the parts: another object, too few points, too much noise, or too "
+        "large";
     return r;
   }
   r.detections = impl_->detections(targets);
   r.candidates = std::move(targets[0].candidates);
   const Candidate& best = r.candidates[0];
   if (best.score < impl_->options.min_score) {
-    r.reason = fmt::format("the best candidate, {}, scores {:.2f}, below {:.2f}",
-                           impl_->catalogue.parts[impl_->part_of(best)].name, best.score, impl_->options.min_score);
+    r.reason = fmt::format("the best candidate, {}, {}", impl_->catalogue.parts[impl_->part_of(best)].name,
+                           score_below(best.score, impl_->options.min_score));
   } else {
     r.accepted = 0;
     const std::string timestamp = r.result.timestamp;
@@ -445,12 +466,13 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   return r;
 }
 
-bool Engine::Impl::is_worth_a_search(const Target& target) const {
+bool Engine::Impl::is_worth_a_search(const Target& target, bool beside_another) const {
   // Not what is less than a part shows when three quarters of it are hidden.
   constexpr double least_share = 0.25;
   const double px_per_mm = target.view.frame->camera.fx / target.view.all.centre_mm().z();
-  // Nor what is hardly higher than the table, and where all parts that are like it sink into that.
-  if (target.candidates.empty() && lies_low(target.view)) return false;
+  // Nor what is hardly higher than the table where all parts that are like it sink into that, or a part lies beside it:
+  // mostly it is one of the table's waves.
+  if ((target.candidates.empty() || beside_another) && lies_low(target.view)) return false;
   return target.is_weak() && target.view.object->pixels >= least_share * smallest_view_mm2 * px_per_mm * px_per_mm;
 }
 
@@ -591,6 +613,8 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
       more.push_back(hypotheses[i]);
       more.back().camera_from_model = hypotheses[i].camera_from_model * partners[k];
     }
+    const auto turned = best_turns(hypotheses[i], *models[hypotheses[i].part], target.view, i == 0 ? 6 : 3);
+    more.insert(more.end(), turned.begin(), turned.end());
   }
   if (!hypotheses.empty()) {
     const auto others = in_place_of(hypotheses[0], model_of);
@@ -620,7 +644,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
 
 /// Those that a closer look may still put first.
 std::size_t Engine::Impl::contenders_of(const Target& target) const {
-  const double margin = 0.15 * std::abs(target.log_likelihoods[0]) + 30;
+  const double margin = contender_margin(target.log_likelihoods[0]);
   std::size_t contenders = 1;
   while (contenders < std::min(target.candidates.size(), most_contenders) &&
          target.log_likelihoods[contenders] > target.log_likelihoods[0] - margin)
@@ -690,7 +714,8 @@ void Engine::Impl::decide(Target& target) const {
     candidates[i].score = static_cast<float>(probability_of_part(explanation[i]));
   });
   std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < contenders; ++i) order.emplace_back(-log_evidence(comparison[i]), i);
+  for (std::size_t i = 0; i < contenders; ++i)
+    order.emplace_back(-pose_log_odds(comparison[i], explanation[i], stride), i);
   std::sort(order.begin(), order.end());
   std::vector<Candidate> decided;
   std::vector<ProjectiveRefinement> fit;
@@ -710,7 +735,7 @@ void Engine::Impl::decide(Target& target) const {
     candidates[i].verification.reason =
         i >= contenders ? "explains the object far worse than another"
         : candidates[i].score < options.min_score
-            ? fmt::format("scores {:.2f}, below {:.2f}", candidates[i].score, options.min_score)
+            ? score_below(candidates[i].score, options.min_score)
             : fmt::format("scores {:.2f}, but is less likely than another", candidates[i].score);
   }
 }
@@ -723,12 +748,12 @@ Matrix6d Engine::Impl::covariance_of(const Target& target, const ProjectiveRefin
 }
 
 /// The best candidate as a detection, with the others that may be right. `order`: the contenders by rising negative
-/// log-evidence.
+/// log-odds.
 void Engine::Impl::describe(Target& target, const std::vector<std::pair<double, std::size_t>>& order) const {
   const int stride = stride_for(target.view, fine_pixels);
-  std::vector<double> log_evidences;
-  for (const auto& [negative, i] : order) log_evidences.push_back(-negative);
-  const std::vector<double> share = shares(log_evidences, stride);
+  std::vector<double> log_odds;
+  for (const auto& [negative, i] : order) log_odds.push_back(-negative);
+  const std::vector<double> share = shares(log_odds);
 
   const Candidate& best = target.candidates[0];
   Detection& detection = target.detection = {};

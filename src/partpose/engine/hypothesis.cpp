@@ -351,6 +351,31 @@ std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const
   return kept;
 }
 
+std::vector<Hypothesis> best_turns(const Hypothesis& hypothesis, const PartModel& model, const ObjectView& view,
+                                   std::size_t most) {
+  constexpr int turns = 72;
+  const double scale_mm = std::max(0.005 * model.diameter_mm, view.noise_mm);
+  std::vector<Hypothesis> out;
+  for (const auto& axis : model.nearly_round) {
+    std::array<Hypothesis, turns> turned;
+    for (int k = 0; k < turns; ++k) {
+      turned[k] = hypothesis;
+      turned[k].camera_from_model = hypothesis.camera_from_model * axis.turn(2 * std::numbers::pi * k / turns);
+      turned[k].cost = refine_on_field(model.field, turned[k].camera_from_model, view.all,
+                                       {.start_scale_mm = scale_mm, .end_scale_mm = scale_mm, .max_iterations = 0})
+                           .mean_capped;
+    }
+    std::vector<Hypothesis> best;
+    for (int k = 1; k < turns; ++k)
+      if (turned[k].cost <= turned[k - 1].cost && turned[k].cost <= turned[(k + 1) % turns].cost)
+        best.push_back(turned[k]);
+    sort_by_cost(best);
+    if (best.size() > most) best.resize(most);
+    out.insert(out.end(), best.begin(), best.end());
+  }
+  return out;
+}
+
 std::vector<Hypothesis> in_place_of(const Hypothesis& hypothesis, std::span<const PartModel* const> models) {
   constexpr double most_difference = 0.03;  // of the boxes' edges, in diameters
   constexpr std::size_t most = 24;

@@ -76,6 +76,11 @@ void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* cons
 /// Without those that are the same part at about the same pose as a better one. Best first, as given.
 std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const PartModel* const> models);
 
+/// Turns of the part about the axes that are round but for a detail (`PartModel::nearly_round`) at which the object's
+/// points lie nearest to it: of each axis at most `most`, best first, the hypothesis' own turn left out.
+std::vector<Hypothesis> best_turns(const Hypothesis& hypothesis, const PartModel& model, const ObjectView& view,
+                                   std::size_t most);
+
 /// Other parts whose boxes are about that of the hypothesis', laid into it in each way in which they fit: a mirror twin
 /// is not found where its brother is like it.
 std::vector<Hypothesis> in_place_of(const Hypothesis& hypothesis, std::span<const PartModel* const> models);

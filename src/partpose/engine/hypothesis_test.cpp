@@ -3,6 +3,7 @@
 #include "partpose/engine/hypothesis.hpp"
 
 #include "partpose/camera/rasterizer.hpp"
+#include "partpose/core/pose.hpp"
 #include "partpose/core/random.hpp"
 #include "tests/shapes.hpp"
 
@@ -65,6 +66,45 @@ TEST_F(ShortlistTest, HasEveryPartOnlyWhereAskedFor) {
   const auto every = looks_of_parts({.every_part = true});
   EXPECT_EQ(every.size(), models.size());
   for (const auto& [part, count] : every) EXPECT_LE(count, 3) << part;
+}
+
+/// Lies on its flat side, with a knob at its rim.
+TriangleMesh knobbed_disc() {
+  return shapes::joined(shapes::cylinder(40, 20, 64), shapes::box({38, -5, -10}, {50, 5, 10}));
+}
+
+TEST(BestTurns, AreThoseOfADetailOnARoundPart) {
+  const PartModel model(knobbed_disc());
+  ASSERT_EQ(model.nearly_round.size(), 1u);
+  EXPECT_GT(std::abs(model.nearly_round[0].direction.z()), 0.99);
+  EXPECT_LT(model.nearly_round[0].place_mm.head<2>().norm(), 0.5);  // the box's middle lies 5 mm off
+  const Intrinsics camera{.width = 480, .height = 360, .fx = 500, .fy = 500, .cx = 239.5, .cy = 179.5};
+  Eigen::Isometry3d camera_from_table(Eigen::Translation3d(0, 0, 500));
+  camera_from_table.linear() =
+      Eigen::AngleAxisd(140 * std::numbers::pi / 180, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  Eigen::Isometry3d table_from_part(Eigen::Translation3d(0, 0, 10));
+  table_from_part.linear() = Eigen::AngleAxisd(1.9, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const TriangleMesh scene =
+      shapes::joined(shapes::plane_patch(800, 600), shapes::moved(knobbed_disc(), table_from_part));
+  const DepthImage depth = render_depth(scene, camera_from_table, camera);
+  FramePiecesOptions options;
+  options.largest_part_mm = static_cast<float>(model.diameter_mm);
+  options.smallest_part_mm = static_cast<float>(model.diameter_mm);
+  const FramePieces pieces = split_frame(depth, camera, options);
+  ASSERT_EQ(pieces.objects.size(), 1u);
+  Hypothesis turned;
+  turned.part = 0;
+  turned.camera_from_model = camera_from_table * Eigen::Translation3d(0, 0, 10);  // the knob points elsewhere
+  const auto found = best_turns(turned, model, ObjectView(pieces, pieces.objects[0]), 3);
+  ASSERT_FALSE(found.empty());
+  EXPECT_LE(found.size(), 3u);
+  EXPECT_LT(rotation_error_deg(found[0].camera_from_model, camera_from_table * table_from_part), 6);
+  for (const auto& other : found) EXPECT_LE(found[0].cost, other.cost);
+}
+
+TEST(BestTurns, NoneOfWhatIsRoundOrFarFromIt) {
+  EXPECT_TRUE(PartModel(shapes::cylinder(40, 20, 64)).nearly_round.empty());
+  EXPECT_TRUE(PartModel(shapes::l_bracket()).nearly_round.empty());
 }
 
 }  // namespace

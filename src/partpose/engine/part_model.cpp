@@ -104,15 +104,9 @@ std::vector<Eigen::Vector3f> surface_points(const TriangleMesh& mesh, int count)
   return points;
 }
 
-Eigen::Isometry3d turn_about(const Eigen::Vector3d& axis, double angle_rad, const Eigen::Vector3d& centre) {
-  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
-  turn.linear() = Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
-  turn.translation() = centre - turn.linear() * centre;
-  return turn;
-}
-
-/// Turns about the box's axes and the surface's principal axes after which the surface lies near itself.
-std::vector<Eigen::Isometry3d> find_partners(const PartModel& model) {
+/// Finds `partners` and `nearly_round`: turns about the box's axes and the surface's principal axes after which the
+/// surface lies near itself.
+void find_partners(PartModel& model) {
   const ProbePoints probes(model.samples_mm);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const auto& p : model.samples_mm) {
@@ -120,53 +114,59 @@ std::vector<Eigen::Isometry3d> find_partners(const PartModel& model) {
     spread += arm * arm.transpose();
   }
   const Eigen::Matrix3d principal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
-  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes;  // direction, place
-  for (int k = 0; k < 3; ++k) axes.emplace_back(Eigen::Vector3d::Unit(k), model.middle_mm);
+  std::vector<PartModel::Axis> axes;
+  for (int k = 0; k < 3; ++k) axes.push_back({Eigen::Vector3d::Unit(k), model.middle_mm});
   for (int k = 0; k < 3; ++k)
-    if (principal.col(k).cwiseAbs().maxCoeff() < 0.999) axes.emplace_back(principal.col(k), probes.centre_mm());
+    if (principal.col(k).cwiseAbs().maxCoeff() < 0.999) axes.push_back({principal.col(k), probes.centre_mm()});
 
   struct Partner {
     double cost;
     Eigen::Isometry3d turn;
   };
   const double scale_mm = 0.02 * model.diameter_mm;
-  const auto partner_at = [&](const Eigen::Vector3d& axis, double angle_deg, const Eigen::Vector3d& place) {
-    const auto refined = refine_on_field(model.field, turn_about(axis, radians(angle_deg), place).inverse(), probes,
+  const auto partner_at = [&](const PartModel::Axis& axis, double angle_deg) {
+    const Eigen::Isometry3d turn = axis.turn(radians(angle_deg));
+    const auto refined = refine_on_field(model.field, turn.inverse(), probes,
                                          {.start_scale_mm = scale_mm, .end_scale_mm = scale_mm, .max_iterations = 3});
     return Partner{refined.mean_capped, refined.camera_from_model};
   };
   constexpr double most_cost = 1.2;  // on the average farther away than about 2 % of the diameter
+  const auto is_near = [&](const Partner& partner) { return partner.cost < most_cost; };
+  const auto is_same = [&](const Eigen::Isometry3d& turn) {
+    return model.is_symmetry(turn, 0.005 * model.diameter_mm);
+  };
   std::vector<Partner> found;
   const auto add = [&](const Partner& partner) {
     const bool known = std::any_of(found.begin(), found.end(), [&](const Partner& other) {
       return rotation_error_deg(other.turn, partner.turn) < 12;
     });
-    if (!known && partner.cost < most_cost && rotation_error_deg(partner.turn, Eigen::Isometry3d::Identity()) > 12 &&
-        !model.is_symmetry(partner.turn, 0.005 * model.diameter_mm))
+    if (!known && is_near(partner) && rotation_error_deg(partner.turn, Eigen::Isometry3d::Identity()) > 12 &&
+        !is_same(partner.turn))
       found.push_back(partner);
   };
-  for (const auto& [axis, place] : axes) {
-    int near = 0;
+  for (const auto& axis : axes) {
     const std::array<double, 7> angles_deg = {180, 90, 270, 120, 240, 60, 300};
-    for (const double angle_deg : angles_deg) {
-      const Partner partner = partner_at(axis, angle_deg, place);
-      near += partner.cost < most_cost;
-      add(partner);
-    }
-    // Round but for a detail, which may be at any turn.
-    if (near == angles_deg.size())
-      for (double angle_deg = 20; angle_deg < 360; angle_deg += 20) {
-        Partner partner = partner_at(axis, angle_deg, place);
-        partner.turn = turn_about(axis, radians(angle_deg), place);
-        add(partner);
-      }
+    std::vector<Partner> turned;
+    for (const double angle_deg : angles_deg) turned.push_back(partner_at(axis, angle_deg));
+    for (const Partner& partner : turned) add(partner);
+    constexpr double between_deg = 20;
+    if (!std::all_of(turned.begin(), turned.end(), is_near) || !is_near(partner_at(axis, between_deg))) continue;
+    bool round = true;
+    for (const double angle_deg : {between_deg, 90.0, 120.0, 180.0})
+      round = round && is_same(axis.turn(radians(angle_deg)));
+    const bool known =
+        std::any_of(model.nearly_round.begin(), model.nearly_round.end(),
+                    [&](const PartModel::Axis& other) { return std::abs(other.direction.dot(axis.direction)) > 0.99; });
+    // The detail moves the box: halfway to where half a turn lays the surface best onto itself lies the axis.
+    const auto half_turn = refine_on_field(model.field, axis.turn(std::numbers::pi), probes,
+                                           {.start_scale_mm = 5 * scale_mm, .end_scale_mm = 0.25 * scale_mm});
+    const Eigen::Vector3d on_axis_mm = 0.5 * (axis.place_mm + half_turn.camera_from_model * axis.place_mm);
+    if (!round && !known) model.nearly_round.push_back({axis.direction, on_axis_mm});
   }
   std::stable_sort(found.begin(), found.end(), [](const Partner& a, const Partner& b) { return a.cost < b.cost; });
   constexpr std::size_t most = 24;
   if (found.size() > most) found.resize(most);
-  std::vector<Eigen::Isometry3d> partners;
-  for (const auto& partner : found) partners.push_back(partner.turn);
-  return partners;
+  for (const auto& partner : found) model.partners.push_back(partner.turn);
 }
 
 PartView make_view(const PointCloud& seen, const Eigen::Isometry3d& camera_from_model,
@@ -232,7 +232,14 @@ PartModel::PartModel(const TriangleMesh& mesh)
     small_surfaces.push_back(cells_with_surface(small_templates.back()));
     views.push_back(of_view.view);
   }
-  partners = find_partners(*this);
+  find_partners(*this);
+}
+
+Eigen::Isometry3d PartModel::Axis::turn(double angle_rad) const {
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.linear() = Eigen::AngleAxisd(angle_rad, direction).toRotationMatrix();
+  turn.translation() = place_mm - turn.linear() * place_mm;
+  return turn;
 }
 
 bool PartModel::is_symmetry(const Eigen::Isometry3d& model_from_model, double tolerance_mm) const {
@@ -258,7 +265,8 @@ std::size_t PartModel::memory_bytes() const {
   return sizeof(*this) + mesh_bytes(outline) + mesh_bytes(surface) + views.size() * sizeof(PartView) +
          templates.size() * sizeof(DepthTemplate) + small_templates.size() * (sizeof(SmallTemplate) + sizeof(CellSet)) +
          anchored.anchors.size() * (sizeof(AnchoredViews::Anchor) + sizeof(SmallTemplate)) + field.memory_bytes() +
-         samples_mm.size() * sizeof(samples_mm[0]) + partners.size() * sizeof(partners[0]);
+         samples_mm.size() * sizeof(samples_mm[0]) + partners.size() * sizeof(partners[0]) +
+         nearly_round.size() * sizeof(Axis);
 }
 
 }  // namespace partpose

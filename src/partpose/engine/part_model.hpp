@@ -49,6 +49,13 @@ struct PartModel {
   std::vector<Eigen::Vector3f> samples_mm;  ///< spread evenly over the surface, model frame
   /// Turns (model_from_model) that put the part nearly back onto itself: where it may be mistaken for itself.
   std::vector<Eigen::Isometry3d> partners;
+  /// The part is round about them but for a detail, which may be at any turn: model frame.
+  struct Axis {
+    Eigen::Vector3d direction, place_mm;
+
+    Eigen::Isometry3d turn(double angle_rad) const;  ///< model_from_model
+  };
+  std::vector<Axis> nearly_round;
 
   static constexpr double outline_share = 0.006, surface_share = 0.001;
 

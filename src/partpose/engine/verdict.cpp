@@ -24,6 +24,13 @@ double height_of(const PartInFrame& part) {
   return height < on_something_else ? height : 0;
 }
 
+/// A part neither hangs in the air nor sinks into the table.
+double height_log_odds(const Explanation& e) {
+  constexpr double highest = 0.3, most_deviations = 10;
+  return -22.27 * std::clamp(e.height, 0.0, highest) - 0.58 * std::clamp(e.height_deviations, 0.0, most_deviations) -
+         19.87 * std::clamp(-e.height, 0.0, highest);
+}
+
 double share(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
 
 }  // namespace
@@ -45,13 +52,14 @@ Explanation explanation_of(const DepthComparison& c, const PartInFrame& part) {
   out.explained_pixels = c.explained;
   out.agreement = c.score();
   out.deviation = c.near > 0 ? std::sqrt(c.near_deviations / c.near) : 0;
+  out.roughness = c.near > 0 ? std::sqrt(c.local_deviations / c.near) * part.noise_mm / part.local_noise_mm : 0;
   out.unexplained = share(c.unexplained, c.object);
   const int visible = std::max(c.model - c.hidden, 1);
-  out.farther = share(c.farther, visible);
   out.free_space = share(c.free_space + c.below_table, visible);
   out.not_measured = share(c.nothing, visible);
   out.beside = share(c.model_outline, visible);
   out.noise = part.noise_mm / std::max(part.extent_mm, 1.0);
+  out.relief = part.relief_mm / part.noise_mm;
   out.height = height_of(part);
   out.height_deviations = out.height * part.diameter_mm / part.noise_mm;
   return out;
@@ -59,24 +67,31 @@ Explanation explanation_of(const DepthComparison& c, const PartInFrame& part) {
 
 double probability_of_part(const Explanation& e) {
   if (e.explained_pixels == 0) return 0;
-  constexpr double highest = 0.3, most_deviations = 10, least_noise = 0.008;
-  const double logit =
-      -9.11 - 2.24 * std::log(1.02 - e.agreement) - 1.89 * e.deviation - 8.49 * std::sqrt(e.unexplained) -
-      6.4 * e.farther - 30.01 * e.free_space - 7.38 * e.not_measured - 9.95 * e.beside -
-      2.51 * std::log(std::max(e.noise, least_noise)) - 22.27 * std::clamp(e.height, 0.0, highest) -
-      0.58 * std::clamp(e.height_deviations, 0.0, most_deviations) - 19.87 * std::clamp(-e.height, 0.0, highest);
+  constexpr double least_noise = 0.008, least_relief = 0.5;
+  const double roughness = std::clamp(e.roughness, 0.2, 9.0);
+  const double logit = -5.99 - 1.91 * std::log(1.02 - e.agreement) - 1.86 * e.deviation - 0.96 * std::log(roughness) -
+                       9.64 * std::sqrt(e.unexplained) - 40.37 * e.free_space - 16.06 * e.not_measured -
+                       9.49 * e.beside - 1.91 * std::log(std::max(e.noise, least_noise)) +
+                       0.93 * std::log(std::max(e.relief, least_relief)) + height_log_odds(e);
   return 1 / (1 + std::exp(-logit));
 }
 
-double log_evidence(const DepthComparison& c) { return c.log_likelihood - c.local_deviations; }
+double pose_log_odds(const DepthComparison& c, const Explanation& explanation, int stride) {
+  const double log_evidence = c.log_likelihood - c.local_deviations;
+  // Some tenths of a deviation above the table are nothing: Huber's (1964) loss.
+  constexpr double deviation = 1.5, most = 5;
+  const double off = std::min(std::abs(explanation.height_deviations) / deviation, most);
+  const double height_loss = off < 1 ? 0.5 * off * off : off - 0.5;
+  return log_evidence * std::min(stride * stride / alike_px, 1.0) - height_loss;
+}
 
-std::vector<double> shares(std::span<const double> log_likelihoods, int stride) {
+std::vector<double> shares(std::span<const double> log_odds) {
   std::vector<double> out;
-  if (log_likelihoods.empty()) return out;
-  const double best = *std::max_element(log_likelihoods.begin(), log_likelihoods.end());
+  if (log_odds.empty()) return out;
+  const double best = *std::max_element(log_odds.begin(), log_odds.end());
   double sum = 0;
-  for (const double value : log_likelihoods) {
-    out.push_back(std::exp((value - best) * std::min(stride * stride / alike_px, 1.0)));
+  for (const double value : log_odds) {
+    out.push_back(std::exp(value - best));
     sum += out.back();
   }
   for (double& value : out) value /= sum;

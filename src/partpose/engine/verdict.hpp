@@ -15,6 +15,8 @@ namespace partpose {
 /// What a comparison does not know of a part at its pose.
 struct PartInFrame {
   double noise_mm = 1;              ///< standard deviation of a depth
+  double local_noise_mm = 1;        ///< of what neighbouring pixels differ by
+  double relief_mm = 10;            ///< of what is seen: standard deviation from its best plane
   double extent_mm = 100;           ///< of what is seen
   double diameter_mm = 100;         ///< of the part
   std::optional<double> height_mm;  ///< of its lowest place above the table; below 0 it sinks into that
@@ -30,13 +32,13 @@ Explanation explanation_of(const DepthComparison& comparison, const PartInFrame&
 /// regression (Cox 1958), whose constants tools/fit_score.py finds.
 double probability_of_part(const Explanation& explanation);
 
-/// By which poses of one object compete: the log-likelihood, and once more what deviates from the waves that are in all
-/// of them. Needs `local_deviations`.
-double log_evidence(const DepthComparison& comparison);
+/// By which poses of one object compete, compared on every `stride`-th pixel: the log-likelihood, once more what
+/// deviates from the waves that are in all of them, both worth fewer pixels than there are since a stereo camera's
+/// errors are alike over some tens of them; and that a part lies on the table. Needs `local_deviations`.
+double pose_log_odds(const DepthComparison& comparison, const Explanation& explanation, int stride);
 
-/// Probabilities of poses of which one is right, by their log-evidences on every `stride`-th pixel: a stereo camera's
-/// errors are alike over some tens of pixels, so that these are worth fewer than they are.
-std::vector<double> shares(std::span<const double> log_likelihoods, int stride);
+/// Probabilities of poses of which one is right, by their log-odds.
+std::vector<double> shares(std::span<const double> log_odds);
 
 /// Whether what a camera sees of part `a` and of part `b` is the same but for the noise. `frame` says from where.
 bool looks_the_same(const TriangleMesh& a, const Eigen::Isometry3d& camera_from_a, const TriangleMesh& b,

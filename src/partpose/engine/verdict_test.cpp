@@ -18,7 +18,7 @@ DepthComparison comparison_of(int unexplained, int free_space) {
   DepthComparison c;
   c.model = c.object = 1000;
   c.unexplained = unexplained;
-  c.free_space = c.farther = free_space;
+  c.free_space = free_space;
   c.explained = 1000 - unexplained;
   c.near = c.explained;
   c.near_deviations = c.local_deviations = c.explained;
@@ -30,7 +30,9 @@ DepthComparison comparison_of(int unexplained, int free_space) {
 }
 DepthComparison good_comparison() { return comparison_of(0, 0); }
 
-PartInFrame at_rest() { return {.noise_mm = 1, .extent_mm = 100, .diameter_mm = 100, .height_mm = 0.0}; }
+PartInFrame at_rest() {
+  return {.noise_mm = 1, .relief_mm = 2, .extent_mm = 100, .diameter_mm = 100, .height_mm = 0.0};
+}
 double rough(const DepthComparison& comparison) { return rough_probability(comparison, at_rest()); }
 double probability(const DepthComparison& comparison, const PartInFrame& part = at_rest()) {
   return probability_of_part(explanation_of(comparison, part));
@@ -46,10 +48,10 @@ TEST(Verdict, FallsWithWhatIsNotExplained) {
     change(c);
     return (1 - probability(c)) / (1 - probability(good_comparison()));
   };
-  EXPECT_GT(doubts([](auto& c) { c.farther = 200; }), 2);  // an outline that the object does not fill
   EXPECT_GT(doubts([](auto& c) { c.nothing = 200; }), 2);
   EXPECT_GT(doubts([](auto& c) { c.model_outline = 200; }), 2);
   EXPECT_GT(doubts([](auto& c) { c.near_deviations = 4 * c.near; }), 2);
+  EXPECT_GT(doubts([](auto& c) { c.local_deviations = 9 * c.near; }), 2);  // steps and holes that the part has not
 }
 
 TEST(Verdict, AtFirstFallsWithWhatIsNotExplained) {
@@ -57,6 +59,12 @@ TEST(Verdict, AtFirstFallsWithWhatIsNotExplained) {
   EXPECT_LT(rough(comparison_of(250, 0)), 0.2);
   EXPECT_LT(rough(comparison_of(0, 100)), 0.3);
   EXPECT_EQ(rough({}), 0);
+}
+
+TEST(Verdict, AFlatViewSaysLess) {
+  PartInFrame flat = at_rest();
+  flat.relief_mm = 0.5;
+  EXPECT_GT(1 - probability(good_comparison(), flat), 2 * (1 - probability(good_comparison())));
 }
 
 TEST(Verdict, NothingHangsInTheAirNorSinksNorIsSeenThroughNoise) {
@@ -89,12 +97,25 @@ TEST(Verdict, WhatIsHiddenIsNotHeldAgainstAPart) {
 }
 
 TEST(Verdict, SharesAddUpAndFavourTheLikelier) {
-  const std::vector<double> values = {1000, 1000 - 200, -1000};
-  const auto share = shares(values, 1);
+  const std::vector<double> values = {10, 9, -10};
+  const auto share = shares(values);
   EXPECT_NEAR(std::accumulate(share.begin(), share.end(), 0.0), 1, 1e-12);
-  EXPECT_NEAR(share[0] / share[1], std::exp(1.0), 1e-9);  // 200 pixels err together
+  EXPECT_NEAR(share[0] / share[1], std::exp(1.0), 1e-9);
   EXPECT_LT(share[2], 1e-3);
-  EXPECT_TRUE(shares({}, 1).empty());
+  EXPECT_TRUE(shares({}).empty());
+}
+
+TEST(Verdict, PosesCompeteByLikelihoodAndByWhatTheyLieOn) {
+  DepthComparison likelier = good_comparison();
+  likelier.log_likelihood += 200;
+  Explanation on_table = explanation_of(good_comparison(), at_rest());
+  const auto log_odds = [&](const DepthComparison& c, int stride) { return pose_log_odds(c, on_table, stride); };
+  EXPECT_NEAR(log_odds(likelier, 1) - log_odds(good_comparison(), 1), 1, 1e-9);  // 200 pixels err together
+  EXPECT_NEAR(log_odds(likelier, 100) - log_odds(good_comparison(), 100), 200, 1e-9);
+  Explanation hanging = on_table, sunk = on_table;
+  hanging.height = 0.1, hanging.height_deviations = 10;
+  sunk.height = -0.1, sunk.height_deviations = -10;
+  for (const auto& off : {hanging, sunk}) EXPECT_LT(pose_log_odds(likelier, off, 1), log_odds(good_comparison(), 1));
 }
 
 TEST(Verdict, AKeywayThatPointsAwayLooksTheSame) {

@@ -27,7 +27,7 @@ std::filesystem::path camera_file_of(const std::filesystem::path& depth_image) {
   const auto shared = depth_image.parent_path() / "camera.json";
   if (std::filesystem::exists(own)) return own;
   if (std::filesystem::exists(shared)) return shared;
-  throw Error("{}: no camera found; give it as {} or {}", depth_image.string(), own.string(), shared.string());
+  throw Error("{}: no camera found; give it as {} or {}, or name it (--camera)", depth_image.string(), own.string(), shared.string());
 }
 
 }  // namespace partpose

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 
 namespace partpose {
@@ -104,6 +105,10 @@ std::string make_timestamp() {
   localtime_r(&seconds, &local);
   return fmt::format("{:04d}-{:02d}-{:02d}_{:02d}-{:02d}-{:02d}_{:03d}", local.tm_year + 1900, local.tm_mon + 1,
                      local.tm_mday, local.tm_hour, local.tm_min, local.tm_sec, now_ms % 1000);
+}
+
+std::string score_below(double score, double min_score) {
+  return fmt::format("scores {:.2f}, below {:g}", std::floor(score * 100) / 100, min_score);
 }
 
 }  // namespace partpose

@@ -36,14 +36,16 @@ struct Explanation {
   int explained_pixels = 0;  ///< of those looked at; 0: the rest says nothing
   double agreement = 0;      ///< mean of both directions, 0 to 1
   double deviation = 0;      ///< root mean square of the depths' differences, in the noise's standard deviations
-  double unexplained = 0;    ///< share of the object's pixels
-  double farther = 0;        ///< share of the part's visible pixels where something farther was measured
-  double free_space = 0;     ///< share of them before what was measured, or beneath the table, not beside an outline
-  double not_measured = 0;   ///< share of them where nothing was measured
-  double beside = 0;         ///< share of them that are not the object's, but next to its outline
-  double noise = 0;          ///< standard deviation of a depth, over the extent of what is seen
-  double height = 0;         ///< of the part's lowest place above the table, in diameters; below 0 it sinks in; 0 as
-                             ///< well where there is no table, or the part stands on something else
+  double roughness = 0;     ///< the same from their mean within some pixels, in deviations of what neighbours differ by
+  double unexplained = 0;   ///< share of the object's pixels
+  double free_space = 0;    ///< share of the part's visible pixels before what was measured, or beneath the table, not
+                            ///< beside an outline
+  double not_measured = 0;  ///< share of them where nothing was measured
+  double beside = 0;        ///< share of them that are not the object's, but next to its outline
+  double noise = 0;         ///< standard deviation of a depth, over the extent of what is seen
+  double relief = 0;        ///< of what is seen: from its best plane, in the noise's standard deviations
+  double height = 0;        ///< of the part's lowest place above the table, in diameters; below 0 it sinks in; 0 as
+                            ///< well where there is no table, or the part stands on something else
   double height_deviations = 0;  ///< the same in the noise's standard deviations
 
   static constexpr bool all_keys_required = true;
@@ -52,14 +54,16 @@ struct Explanation {
     visit("explained_pixels", self.explained_pixels, "of those looked at");
     visit("agreement", self.agreement, "mean of both directions, 0 to 1");
     visit("deviation", self.deviation, "rms of the depths' differences, in the noise's standard deviations");
+    visit("roughness", self.roughness,
+          "the same from their mean within some pixels, in standard deviations of what neighbouring pixels differ by");
     visit("unexplained", self.unexplained, "share of the object's pixels");
-    visit("farther", self.farther, "share of the part's visible pixels where something farther was measured");
     visit("free_space", self.free_space,
           "share of the part's visible pixels before what was measured, or beneath the table, not beside an outline");
     visit("not_measured", self.not_measured, "share of the part's visible pixels where nothing was measured");
     visit("beside", self.beside,
           "share of the part's visible pixels that are not the object's, but next to its outline");
     visit("noise", self.noise, "standard deviation of a depth, over the extent of what is seen");
+    visit("relief", self.relief, "of what is seen from its best plane, in the noise's standard deviations");
     visit("height", self.height, "of the part's lowest place above the table, in diameters; below 0 it sinks in");
     visit("height_deviations", self.height_deviations, "the same in the noise's standard deviations");
   }
@@ -76,13 +80,13 @@ struct Alternative {
 struct Detection {
   int part = -1;  ///< index into Catalogue::parts
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
-  float score = -1;                             ///< 0 to 1, as of a Candidate
-  std::optional<Explanation> explanation = {};  ///< of the Engine
-  double confidence =
-      0;  ///< probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1
+  float score = -1;  ///< 0 to 1, as of a Candidate
+  /// Probability that part and pose are right, up to what this camera cannot tell apart; 0 to 1.
+  double confidence = 0;
   /// Of a small rotation vector [rad] and translation [mm] of the part, about its box's middle, in the camera's axes.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  std::vector<Alternative> alternatives = {};  ///< likeliest first; poses that are the same by symmetry are not listed
+  std::vector<Alternative> alternatives = {};   ///< likeliest first; poses that are the same by symmetry are not listed
+  std::optional<Explanation> explanation = {};  ///< of the Engine
 };
 
 /// What happened to one scene: the one record behind everything that shows results.
@@ -100,6 +104,9 @@ struct Recognition {
 
   double total_ms() const;
 };
+
+/// For people: "scores 0.49, below 0.5".
+std::string score_below(double score, double min_score);
 
 /// What recognizes the part in a scene: one of the pipelines with its catalogue. Immutable and thread-safe.
 class PartRecognizer {

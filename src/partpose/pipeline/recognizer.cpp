@@ -272,9 +272,9 @@ Recognition Recognizer::recognize(const DepthImage& depth, const Intrinsics& cam
     r.reason = "no segment has enough points with normals to be described";
   } else if (r.candidates[0].score < impl_->options.min_score) {
     const auto& best = r.candidates[0];
-    r.reason = fmt::format("the best candidate, {}, scores {:.2f}, below {:.2f}",
-                           impl_->catalogue.parts[impl_->catalogue.views[best.view_row].part].name, best.score,
-                           impl_->options.min_score);
+    r.reason = fmt::format("the best candidate, {}, {}",
+                           impl_->catalogue.parts[impl_->catalogue.views[best.view_row].part].name,
+                           score_below(best.score, impl_->options.min_score));
   } else {
     r.accepted = 0;
     const std::string timestamp = r.result.timestamp;
@@ -390,7 +390,7 @@ double Recognizer::Impl::decide(std::vector<Candidate>& candidates, const Labell
     candidate.verification.accepted = i == 0 && candidate.score >= options.min_score;
     candidate.verification.reason =
         candidate.score < options.min_score
-            ? fmt::format("scores {:.2f}, below {:.2f}", candidate.score, options.min_score)
+            ? score_below(candidate.score, options.min_score)
             : fmt::format("scores {:.2f}, but agrees less closely than another", candidate.score);
   }
   return best_close_score;

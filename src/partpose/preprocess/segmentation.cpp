@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -336,12 +337,18 @@ std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, 
 }
 
 std::string why_nothing_stands_out(const DepthImage& depth) {
+  std::vector<float> z_mm;
+  std::copy_if(depth.z_mm.begin(), depth.z_mm.end(), std::back_inserter(z_mm), [](float z) { return z > 0; });
+  if (z_mm.empty()) return "no pixel of it has a depth";
+  const auto middle = z_mm.begin() + static_cast<std::ptrdiff_t>(z_mm.size() / 2);
+  std::nth_element(z_mm.begin(), middle, z_mm.end());
   std::string reason = "nothing of a part's size stands out from the table or the background";
-  float farthest_mm = 0;
-  for (const float z : depth.z_mm) farthest_mm = std::max(farthest_mm, z);
-  constexpr float nearest_camera_mm = 20;
-  if (farthest_mm > 0 && farthest_mm < nearest_camera_mm)
-    reason += fmt::format("; its farthest point is {:.3g} mm away: is it in metres?", farthest_mm);
+  constexpr float nearest_mm = 20, farthest_mm = 20'000;  // of a depth camera's scenes
+  if (*middle < nearest_mm)
+    reason += fmt::format("; half of it is less than {:.3g} mm away: is it in metres?", *middle);
+  if (*middle > farthest_mm)
+    reason +=
+        fmt::format("; half of it is more than {:.3g} m away: is it in another unit than stated?", *middle / 1000);
   return reason;
 }
 

@@ -42,7 +42,7 @@ std::optional<Intrinsics> intrinsics_of(const PointCloud& cloud, int margin_px =
 /// it is a segment too: the frame may show a part without a table. Largest first.
 std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, const SegmentationOptions& options);
 
-/// For people: nothing of a frame may be an object, perhaps since it is in metres.
+/// For people: nothing of a frame may be an object, perhaps since it is empty or in another unit.
 std::string why_nothing_stands_out(const DepthImage& depth);
 
 }  // namespace partpose

@@ -138,6 +138,19 @@ TEST(Segmentation, NoMoreSegmentsThanAskedFor) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(some[i].pixels, all[i].pixels);
 }
 
+TEST(WhyNothingStandsOut, NamesAnEmptyImageAndAnotherUnit) {
+  DepthImage depth(20, 10);
+  EXPECT_EQ(why_nothing_stands_out(depth), "no pixel of it has a depth");
+  const auto all_at = [&](float z_mm) {
+    std::fill(depth.z_mm.begin(), depth.z_mm.end(), z_mm);
+    depth.z_mm[3] = 5000;  // one pixel says nothing
+    return why_nothing_stands_out(depth);
+  };
+  EXPECT_TRUE(shapes::mentions(all_at(0.6f), "less than 0.6 mm away: is it in metres?"));
+  EXPECT_TRUE(shapes::mentions(all_at(600'000), "more than 600 m away"));
+  EXPECT_FALSE(shapes::mentions(all_at(600), "away"));
+}
+
 TEST(AngularSpacing, IsThePixelOfTheCamera) {
   ASSERT_GT(camera.fy, camera.fx) << "the nearest pixels are those above and below";
   const auto scene = scene_of({{{0, 0, 500}, 60}}, false);
