@@ -36,7 +36,8 @@ void run(const ExperimentArguments& arguments, const Common& common) {
   const auto spec = read_json<ExperimentSpec>(arguments.output / "experiment.json");
   for (const auto& group : spec.groups)
     for (const auto& protocol : spec.protocols)
-      if (protocol.left_out && std::none_of(records.begin(), records.end(), [&](const FrameRecord& record) {
+      if (protocol.left_out && protocol.captured.empty() &&
+          std::none_of(records.begin(), records.end(), [&](const FrameRecord& record) {
             return record.group == group.name && record.protocol == protocol.name;
           }))
         complain(

@@ -76,6 +76,21 @@ struct Target {
   }
 };
 
+/// What the best fits leave is the frame's noise; what others leave beyond that speaks against them. By the square law
+/// of triangulation it grows with the distance: over its square. Of the likeliest first; the median of the sure ones.
+double noise_left(const std::vector<Target>& targets) {
+  std::vector<double> left_per_mm2;
+  for (const auto& target : targets) {
+    const double left_mm = target.left_mm(), z_mm = target.view.all.centre_mm().z();
+    const bool counts = &target == &targets[0] || target.best_score > Target::strong;
+    if (counts && std::isfinite(left_mm)) left_per_mm2.push_back(left_mm / (z_mm * z_mm));
+  }
+  if (left_per_mm2.empty()) return 0;
+  const auto middle = left_per_mm2.begin() + static_cast<std::ptrdiff_t>(left_per_mm2.size() / 2);
+  std::nth_element(left_per_mm2.begin(), middle, left_per_mm2.end());
+  return *middle;
+}
+
 /// Labels of the frame's pieces that a part explains, well or not.
 struct ExplainedLabels {
   std::bitset<256> well, weakly;
@@ -431,15 +446,12 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     return promise(a) > promise(b);
   });
   while (targets.size() > always && targets.back().best_score < hopeless) targets.pop_back();
-  // What the likeliest object's best fit leaves is the frame's noise; what others leave beyond that speaks against
-  // them. By the square law of triangulation it grows with the distance.
-  double noise_per_mm2 = 0;
-  for (auto& target : targets) {
+  for (auto& target : targets)
     if (!target.polished) time("polish", [&] { impl_->polish(target); });
-    const double left_mm = target.left_mm();
+  const double noise_per_mm2 = noise_left(targets);
+  for (auto& target : targets) {
     const double z_mm = target.view.all.centre_mm().z();
-    // Not of a fit that is far beyond what is to be expected.
-    if (&target == &targets[0] && std::isfinite(left_mm)) noise_per_mm2 = left_mm / (z_mm * z_mm);
+    // Not of fits that are far beyond what is to be expected.
     target.noise_mm = std::clamp(noise_per_mm2 * z_mm * z_mm, 0.65 * target.view.noise_mm, 1.3 * target.view.noise_mm);
     time("decision", [&] { impl_->decide(target); });
     time("polish", [&] { impl_->finish(target); });
