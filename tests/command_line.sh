@@ -381,7 +381,7 @@ for recognizer in engine recognizer; do
   grep -q '"pose_right"' out.txt || fail "captured --json: $(head -c 300 out.txt)"
 done
 good "a higher score is asked for" recognize --models parts --min-score 1 --json "$frame"
-grep -q '"model_name":null.*below 1' out.txt || fail "recognize --min-score: $(head -c 300 out.txt)"
+grep -q '"model_name":null.*below 1"' out.txt || fail "recognize --min-score: $(head -c 300 out.txt)"
 bad "a score beyond 1" "must be 0 to 1" recognize --models parts --min-score 2 "$frame"
 bad "a kind that no scene has" "its kinds are" captured "$root/scenes" --models "$root/parts" --kind instanc
 bad "unknown recognizer" "magic" recognize --models parts --recognizer magic "$frame"

@@ -30,7 +30,7 @@ def truth_of(root: Path, name: str) -> np.ndarray:
 def test_ten_lines(root: Path, tmp_path: Path) -> None:
     out = subprocess.run([sys.executable, root / "python" / "examples" / "ten_lines.py"], cwd=root, check=True,
                          capture_output=True, text=True, env={**os.environ, "XDG_CACHE_HOME": str(tmp_path)}).stdout  # fmt: skip
-    assert out.startswith(("bracket, score 0.9", "bracket, score 1.00"))
+    assert out.startswith("bracket, score ") and 0.9 <= float(out.split("score ")[1].split(",")[0]) <= 1
     assert len((root / "python" / "examples" / "ten_lines.py").read_text().split("import partpose\n")[1].split("\n")) <= 12
 
 

@@ -320,7 +320,7 @@ test('a recognized depth frame, its truth unknown', async () => {
   assert.ok((await drawnPixels()).drawn > 10000);
   await shot('depth_frame');
   await browser.goto(path('recognized/report.html'), ready, '#frame/1');
-  assert.match(await text('.why'), /Nothing was recognized.*below 0\.5/);
+  assert.match(await text('.why'), /Nothing was recognized.*below 0\.5\./);
   quiet();
 });
 
