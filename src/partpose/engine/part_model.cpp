@@ -157,11 +157,12 @@ void find_partners(PartModel& model) {
     const bool known =
         std::any_of(model.nearly_round.begin(), model.nearly_round.end(),
                     [&](const PartModel::Axis& other) { return std::abs(other.direction.dot(axis.direction)) > 0.99; });
+    if (round || known) continue;
     // The detail moves the box: halfway to where half a turn lays the surface best onto itself lies the axis.
     const auto half_turn = refine_on_field(model.field, axis.turn(std::numbers::pi), probes,
                                            {.start_scale_mm = 5 * scale_mm, .end_scale_mm = 0.25 * scale_mm});
     const Eigen::Vector3d on_axis_mm = 0.5 * (axis.place_mm + half_turn.camera_from_model * axis.place_mm);
-    if (!round && !known) model.nearly_round.push_back({axis.direction, on_axis_mm});
+    model.nearly_round.push_back({axis.direction, on_axis_mm});
   }
   std::stable_sort(found.begin(), found.end(), [](const Partner& a, const Partner& b) { return a.cost < b.cost; });
   constexpr std::size_t most = 24;
