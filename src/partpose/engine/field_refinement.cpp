@@ -16,6 +16,25 @@ namespace {
 
 constexpr int lanes = Lanes::count;
 
+/// Where points are in the model frame, and from there seen from their centre.
+struct PlacedGroup {
+  Lanes x, y, z, arm_x, arm_y, arm_z;
+};
+
+PlacedGroup placed(const ProbePoints::Group& group, const Eigen::Matrix3f& turn, const Eigen::Vector3f& centre) {
+  PlacedGroup out;
+  for (int i = 0; i < lanes; ++i) {
+    const float px = group.x_mm.value[i], py = group.y_mm.value[i], pz = group.z_mm.value[i];
+    out.arm_x.value[i] = turn(0, 0) * px + turn(0, 1) * py + turn(0, 2) * pz;
+    out.arm_y.value[i] = turn(1, 0) * px + turn(1, 1) * py + turn(1, 2) * pz;
+    out.arm_z.value[i] = turn(2, 0) * px + turn(2, 1) * py + turn(2, 2) * pz;
+    out.x.value[i] = out.arm_x.value[i] + centre.x();
+    out.y.value[i] = out.arm_y.value[i] + centre.y();
+    out.z.value[i] = out.arm_z.value[i] + centre.z();
+  }
+  return out;
+}
+
 }  // namespace
 
 ProbePoints::ProbePoints(std::span<const Eigen::Vector3f> points_mm) : size_(points_mm.size()) {
@@ -30,6 +49,21 @@ ProbePoints::ProbePoints(std::span<const Eigen::Vector3f> points_mm) : size_(poi
     group.z_mm.value[i % lanes] = relative.z();
     group.weight.value[i % lanes] = 1;
   }
+}
+
+double mean_distance_mm(const SurfaceField& field, const Eigen::Isometry3d& camera_from_model,
+                        const ProbePoints& points, double cap_mm) {
+  const Eigen::Isometry3d model_from_camera = camera_from_model.inverse();
+  const Eigen::Matrix3f turn = model_from_camera.linear().cast<float>();
+  const Eigen::Vector3f centre = (model_from_camera * points.centre_mm()).cast<float>();
+  Lanes sum{};
+  for (const auto& group : points.groups()) {
+    const PlacedGroup at = placed(group, turn, centre);
+    const Lanes distance_mm = field.at(at.x, at.y, at.z).distance_mm;
+    for (int i = 0; i < lanes; ++i)
+      sum.value[i] += group.weight.value[i] * std::min(std::abs(distance_mm.value[i]), static_cast<float>(cap_mm));
+  }
+  return sum.sum() / static_cast<double>(std::max<std::size_t>(points.size(), 1));
 }
 
 FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry3d& camera_from_model,
@@ -48,16 +82,7 @@ FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry
     RowProducts<float> products;
     Lanes capped{}, weights{}, extent{};
     for (const auto& group : points.groups()) {
-      Lanes arm_x, arm_y, arm_z, x, y, z;
-      for (int i = 0; i < lanes; ++i) {
-        const float px = group.x_mm.value[i], py = group.y_mm.value[i], pz = group.z_mm.value[i];
-        arm_x.value[i] = turn(0, 0) * px + turn(0, 1) * py + turn(0, 2) * pz;
-        arm_y.value[i] = turn(1, 0) * px + turn(1, 1) * py + turn(1, 2) * pz;
-        arm_z.value[i] = turn(2, 0) * px + turn(2, 1) * py + turn(2, 2) * pz;
-        x.value[i] = arm_x.value[i] + centre.x();
-        y.value[i] = arm_y.value[i] + centre.y();
-        z.value[i] = arm_z.value[i] + centre.z();
-      }
+      const auto [x, y, z, arm_x, arm_y, arm_z] = placed(group, turn, centre);
       const auto sample = field.at(x, y, z);
       std::array<Lanes, RowProducts<float>::entries> row;
       Lanes weight;

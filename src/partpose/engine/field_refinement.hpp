@@ -52,4 +52,8 @@ struct FieldRefinement {
 FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry3d& camera_from_model,
                                 const ProbePoints& points, const FieldRefinementOptions& options);
 
+/// Mean distance of measured points from a part's surface, none counted for more than `cap_mm`.
+double mean_distance_mm(const SurfaceField& field, const Eigen::Isometry3d& camera_from_model,
+                        const ProbePoints& points, double cap_mm);
+
 }  // namespace partpose

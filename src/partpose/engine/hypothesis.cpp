@@ -354,17 +354,16 @@ std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const
 std::vector<Hypothesis> best_turns(const Hypothesis& hypothesis, const PartModel& model, const ObjectView& view,
                                    std::size_t most) {
   constexpr int turns = 72;
-  const double scale_mm = std::max(0.005 * model.diameter_mm, view.noise_mm);
+  const double cap_mm = 3 * std::max(0.005 * model.diameter_mm, view.noise_mm);
   std::vector<Hypothesis> out;
   for (const auto& axis : model.nearly_round) {
     std::array<Hypothesis, turns> turned;
-    for (int k = 0; k < turns; ++k) {
+    parallel_for(turns, [&](std::size_t k) {
       turned[k] = hypothesis;
-      turned[k].camera_from_model = hypothesis.camera_from_model * axis.turn(2 * std::numbers::pi * k / turns);
-      turned[k].cost = refine_on_field(model.field, turned[k].camera_from_model, view.all,
-                                       {.start_scale_mm = scale_mm, .end_scale_mm = scale_mm, .max_iterations = 0})
-                           .mean_capped;
-    }
+      turned[k].camera_from_model =
+          hypothesis.camera_from_model * axis.turn(2 * std::numbers::pi * static_cast<double>(k) / turns);
+      turned[k].cost = mean_distance_mm(model.field, turned[k].camera_from_model, view.many, cap_mm);
+    });
     std::vector<Hypothesis> best;
     for (int k = 1; k < turns; ++k)
       if (turned[k].cost <= turned[k - 1].cost && turned[k].cost <= turned[(k + 1) % turns].cost)
