@@ -419,6 +419,8 @@ class Separation {
       Trial best = trials.front();
       trials.erase(trials.begin());
       if (!(best.gain > 0)) break;
+      constexpr double before_polish = 1.5;  // it moves little: of those farther off none became good
+      if (!is_held(best.hypothesis, before_polish)) continue;
       if (!is_good(best)) polish(best, rest);
       if (!is_good(best) || !is_held(best.hypothesis)) continue;
       found = true;
@@ -507,7 +509,7 @@ class Separation {
 
   /// Moves the part onto the pixels themselves, where that may help.
   void polish(Trial& trial, const FrameObject& rest) const {
-    constexpr double hopeless = 0.001;
+    constexpr double hopeless = 0.003;  // of those below it none became good
     if (trial.comparison.explained < 0.2 * trial.comparison.model || probability(trial) < hopeless) return;
     const PartModel& model = *models_[trial.hypothesis.part];
     PartWindow window = window_of(frame_, rest, model, trial.hypothesis.camera_from_model, wanted_pixels, outline_px);
@@ -570,15 +572,15 @@ class Separation {
   double tolerance_mm(const Hypothesis& h) const { return touch_tolerance_mm(*models_[h.part], noise_at(h)); }
 
   /// Whether the part stands on the table, or touches a part that does: nothing hangs in the air, nor reaches into the
-  /// table. All, where no table is seen.
-  bool is_held(const Hypothesis& h) const {
-    if (sinks_into_table(frame_, *models_[h.part], h.camera_from_model, tolerance_mm(h))) return false;
+  /// table, up to so many tolerances. All, where no table is seen.
+  bool is_held(const Hypothesis& h, double tolerances = 1) const {
+    if (sinks_into_table(frame_, *models_[h.part], h.camera_from_model, tolerances * tolerance_mm(h))) return false;
     const auto height_mm = height_above_table_mm(frame_, *models_[h.part], h.camera_from_model);
-    if (!height_mm || *height_mm < tolerance_mm(h)) return true;
+    if (!height_mm || *height_mm < tolerances * tolerance_mm(h)) return true;
     return std::any_of(parts.begin(), parts.end(), [&](const SeparatedPart& part) {
       const Hypothesis& other = part.hypotheses[0];
       return touches(*models_[h.part], h.camera_from_model, *models_[other.part], other.camera_from_model,
-                     tolerance_mm(other));
+                     tolerances * tolerance_mm(other));
     });
   }
 
