@@ -74,6 +74,35 @@ float common_factor(const DepthImage& a, const DepthImage& b, double slow_percen
   return std::clamp(*median, 1 - most, 1 + most);
 }
 
+/// Takes from both renderings what something nearer hides, as `indistinguishable` says. `left`, `top`: where their
+/// pixel (0, 0) is in `measured`.
+void take_hidden(DepthImage& a, DepthImage& b, const DepthImage& measured, int left, int top, double fx_px,
+                 const AmbiguityOptions& options) {
+  const int width = a.width, height = a.height;
+  const auto is_hidden = [&](float z_mm, float measured_mm) {
+    return measured_mm > 0 && measured_mm < z_mm - options.sigmas * options.sigma_mm(z_mm, fx_px);
+  };
+  const auto is_before = [&](int u, int v) {
+    const float za = a.at(u, v), zb = b.at(u, v), z_measured = measured.at(left + u, top + v);
+    return (za > 0 || zb > 0) && (!(za > 0) || is_hidden(za, z_measured)) && (!(zb > 0) || is_hidden(zb, z_measured));
+  };
+  std::vector<std::pair<int, int>> next;
+  const auto take = [&](int u, int v) {
+    a.at(u, v) = b.at(u, v) = 0;
+    next.emplace_back(u, v);
+  };
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      if (b.at(u, v) > 0 && is_before(u, v)) take(u, v);
+  while (!next.empty()) {
+    const auto [u, v] = next.back();
+    next.pop_back();
+    for (int y = std::max(v - 1, 0); y <= std::min(v + 1, height - 1); ++y)
+      for (int x = std::max(u - 1, 0); x <= std::min(u + 1, width - 1); ++x)
+        if (is_before(x, y)) take(x, y);
+  }
+}
+
 }  // namespace
 
 void AmbiguityOptions::check() const {
@@ -164,6 +193,22 @@ bool indistinguishable(const TriangleMesh& part_a, const Eigen::Isometry3d& came
                        const Eigen::Isometry3d& camera_from_b, const Intrinsics& camera,
                        const AmbiguityOptions& options) {
   return depth_difference(part_a, camera_from_a, part_b, camera_from_b, camera, options).indistinguishable(options);
+}
+
+bool indistinguishable(const TriangleMesh& part_a, const Eigen::Isometry3d& camera_from_a, const TriangleMesh& part_b,
+                       const Eigen::Isometry3d& camera_from_b, const Intrinsics& camera,
+                       const AmbiguityOptions& options, const DepthImage& measured) {
+  camera.check();
+  options.check();
+  if (measured.width != camera.width || measured.height != camera.height)
+    throw Error("a depth image of {} x {} is not of a camera of {} x {}", measured.width, measured.height, camera.width,
+                camera.height);
+  const Intrinsics window = cropped(camera, {{&part_a, camera_from_a}, {&part_b, camera_from_b}});
+  DepthImage a = render(part_a, camera_from_a, window).depth, b = render(part_b, camera_from_b, window).depth;
+  if (depth_difference(a, b, camera.fx, options).indistinguishable(options)) return true;
+  take_hidden(a, b, measured, static_cast<int>(std::lround(camera.cx - window.cx)),
+              static_cast<int>(std::lround(camera.cy - window.cy)), camera.fx, options);
+  return depth_difference(a, b, camera.fx, options).indistinguishable(options);
 }
 
 struct AmbiguitySearch::Impl {

@@ -78,6 +78,14 @@ bool indistinguishable(const TriangleMesh& part_a, const Eigen::Isometry3d& came
                        const Eigen::Isometry3d& camera_from_b, const Intrinsics& camera,
                        const AmbiguityOptions& options = {});
 
+/// The same in a frame in which something may be before the part: where that was measured nearer than both renderings,
+/// neither shows. It is looked for where it hides part b at its pose, the true one, and from there on as far as it is
+/// before part a: a table that a wrong pose reaches into hides nothing. What is the same with nothing before it remains
+/// so. `measured`: as large as the camera's images; throws Error else.
+bool indistinguishable(const TriangleMesh& part_a, const Eigen::Isometry3d& camera_from_a, const TriangleMesh& part_b,
+                       const Eigen::Isometry3d& camera_from_b, const Intrinsics& camera,
+                       const AmbiguityOptions& options, const DepthImage& measured);
+
 struct AmbiguityPart {
   std::string name;
   TriangleMesh mesh;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/evaluation/ambiguity.hpp"
 
+#include "partpose/camera/rasterizer.hpp"
 #include "partpose/camera/virtual_depth_camera.hpp"
 #include "partpose/geometry/symmetry_search.hpp"
 #include "tests/shapes.hpp"
@@ -152,6 +153,51 @@ TEST(Indistinguishable, ASlowErrorIsTheCamerasOwn) {
   EXPECT_FALSE(indistinguishable(part, from_behind, part, nearer(from_behind, 0.012), vga, options));
   // It is no excuse for what can be seen all the same.
   EXPECT_FALSE(indistinguishable(part, from_front, part, nearer(from_front * about_z(40), 0.004), vga, options));
+}
+
+/// What a camera without noise measures of a part, and of a plane across the view with the pixels [u0, u1).
+DepthImage measured_behind(const TriangleMesh& part, const Eigen::Isometry3d& pose, float plane_mm, int u0, int u1) {
+  DepthImage measured = render(part, pose, vga).depth;
+  for (int v = 0; v < measured.height; ++v)
+    for (int u = u0; u < u1; ++u)
+      if (!(measured.at(u, v) > 0) || measured.at(u, v) > plane_mm) measured.at(u, v) = plane_mm;
+  return measured;
+}
+
+TEST(Indistinguishable, WhatIsNearerHidesTheDifference) {
+  const TriangleMesh part = shaft_with_window();
+  const auto from_front = seen_from({1, 0.1, 0.2}), turned = from_front * about_z(180);
+  const double window_u = vga.project(from_front * Eigen::Vector3d(20, 0, 20)).x();
+  const int u0 = static_cast<int>(window_u) - 20, u1 = u0 + 40;
+  const AmbiguityOptions options;
+  const auto same_with_plate_at = [&](float plane_mm, int from, int to) {
+    return indistinguishable(part, turned, part, from_front, vga, options,
+                             measured_behind(part, from_front, plane_mm, from, to));
+  };
+  EXPECT_TRUE(same_with_plate_at(500, u0, u1));
+  EXPECT_FALSE(same_with_plate_at(500, u1, u1 + 40));   // before something else
+  EXPECT_FALSE(same_with_plate_at(800, 0, vga.width));  // behind the part
+  EXPECT_FALSE(same_with_plate_at(500, 0, 0));
+}
+
+TEST(Indistinguishable, APoseBeneathTheTableIsNotHidden) {
+  const TriangleMesh block = shapes::box({80, 60, 40});
+  const auto pose = seen_from({0, 0, 1});
+  // Twice as long and behind the table, but for where the true one is seen.
+  const TriangleMesh longer = shapes::box({160, 60, 40});
+  const auto table_mm = static_cast<float>(distance_mm - 20 + 5);
+  const DepthImage measured = measured_behind(block, pose, table_mm, 0, vga.width);
+  const auto deeper = Eigen::Isometry3d(Eigen::Translation3d(0, 0, 30)) * pose;
+  EXPECT_FALSE(indistinguishable(longer, deeper, block, pose, vga, {}, measured));
+  // The block as it is on a table that reaches farther up than its lower half.
+  EXPECT_TRUE(indistinguishable(block, pose, block, pose, vga, {}, measured));
+}
+
+TEST(Indistinguishable, TheFrameIsTheCameras) {
+  const TriangleMesh block = shapes::box({80, 60, 40});
+  const auto pose = seen_from({0, 0, 1});
+  EXPECT_PRED2(mentions, error_of([&] { indistinguishable(block, pose, block, pose, vga, {}, DepthImage(320, 240)); }),
+               "320 x 240");
 }
 
 TEST(Indistinguishable, OutOfView) {

@@ -135,7 +135,9 @@ double PoseJudge::deviation_mm(const std::string& name, const Eigen::Isometry3d&
 bool PoseJudge::same_to_camera(const std::string& part_a, const Eigen::Isometry3d& camera_from_a,
                                const std::string& part_b, const Eigen::Isometry3d& camera_from_b,
                                const JudgedFrame& frame) const {
-  return indistinguishable(mesh(part_a), camera_from_a, mesh(part_b), camera_from_b, frame.camera, frame.noise);
+  const TriangleMesh &a = mesh(part_a), &b = mesh(part_b);
+  if (frame.depth.z_mm.empty()) return indistinguishable(a, camera_from_a, b, camera_from_b, frame.camera, frame.noise);
+  return indistinguishable(a, camera_from_a, b, camera_from_b, frame.camera, frame.noise, frame.depth);
 }
 
 Evaluation PoseJudge::judge(const Result& result, const GroundTruth& truth, const JudgedFrame& frame) const {
@@ -165,7 +167,7 @@ Evaluation PoseJudge::judge(const Result& result, const GroundTruth& truth, cons
   }
   // A pose that is nearly the true one needs no excuse; the others may look the same to this camera.
   out.indistinguishable =
-      mssd_below(out, 0.05) || indistinguishable(named->mesh, estimate, shown->mesh, pose, frame.camera, frame.noise);
+      mssd_below(out, 0.05) || same_to_camera(result.model_name, estimate, truth.model_name, pose, frame);
   return out;
 }
 

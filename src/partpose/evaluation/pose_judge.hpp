@@ -15,7 +15,7 @@ namespace partpose {
 /// What a pose is judged with beside the two poses: the camera, and what it measured.
 struct JudgedFrame {
   Intrinsics camera;
-  DepthImage depth;        ///< as measured; empty: VSD takes all of the part for visible
+  DepthImage depth;        ///< as measured; empty: all of the part is taken for visible
   AmbiguityOptions noise;  ///< of this sensor
 };
 
@@ -44,7 +44,8 @@ class PoseJudge {
   /// MSSD of an estimate. Throws Error for a part that is not in the catalogue.
   double deviation_mm(const std::string& part, const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth) const;
 
-  /// Whether the camera cannot tell one part at its pose from another. Throws Error for parts not in the catalogue.
+  /// Whether the camera cannot tell one part at its pose from another, which is really there, with what is before it in
+  /// this frame. Throws Error for parts not in the catalogue.
   bool same_to_camera(const std::string& part_a, const Eigen::Isometry3d& camera_from_a, const std::string& part_b,
                       const Eigen::Isometry3d& camera_from_b, const JudgedFrame& frame) const;
 
