@@ -71,14 +71,15 @@ def experiments(output, data, made):
     found = {"shipped": (shipped(SHIPPED), stereo(201, 96), 1), "alike": (shipped(ALIKE), stereo(202, 96), 1)}
     for i, (key, names) in enumerate(PUBLIC.items()):
         found[f"public_{key}"] = (public(names), stereo(203 + i, 72), 1)
+    found["sheet"] = ([str(made / "sheet_tuning")], stereo(230, 96), 1)
     for share in (0.2, 0.4):
-        for i, parts in enumerate((shipped(SHIPPED), public(PUBLIC["d"]))):
+        for i, parts in enumerate((shipped(SHIPPED), public(PUBLIC["d"]), public(PUBLIC["a"]), public(PUBLIC["c"]))):
             found[f"hidden_{share}_{i}"] = (
                 parts, stereo(210 + int(10 * share) + i, 72, hidden_fraction=[share - 0.02, share + 0.02]), 1)
     found["thirty"] = ([str(made / "thirty_tuning")], stereo(220, 96), 1)
     found["virtual"] = (shipped(SHIPPED), virtual, 1)
     found["virtual_b"] = (public(PUBLIC["b"]), virtual, 1)
-    touching = [{"name": "touching", "scenes": str(ROOT / "experiments/scenes_engine_touching_tuning.json"), "frames": 32}]
+    touching = [{"name": "touching", "scenes": str(ROOT / "experiments/scenes_engine_touching_tuning.json"), "frames": 64}]
     found["touching"] = (shipped(SHIPPED), touching, 1)
     found["touching_b"] = (public(PUBLIC["b"]), touching, 1)
     # The real ones are few, and they are what it is for.

@@ -269,6 +269,29 @@ def manifold_block(draw):
     return body
 
 
+def sheet(draw):
+    """Sheet metal: a base with one to three flanges bent up at its edges, or one in its middle, and holes."""
+    x, y, t = draw.mm(45, 120), draw.mm(30, 70), draw.mm(1.5, 4)
+    body = prism([rectangle(0, 0, x, y, 2)] + [circle(draw.mm(3, 9) / 2 + 1, draw.mm(0.3, 0.7, 0.05) * x, draw.mm(0.3, 0.7, 0.05) * y)[::-1]],
+                 0, t)
+    edges = draw.random.permutation(4)[:draw.count(1, 3)]
+    for edge in edges:
+        length = y if edge < 2 else x
+        width, height = draw.mm(0.35, 1, 0.05) * length, draw.mm(15, 55)
+        start = draw.mm(0, 1, 0.5) * (length - width)
+        flange = Manifold.cube([t, width, height]) - hole(min(draw.mm(4, 14), 0.6 * width, 0.5 * height), -1, t + 1).rotate(
+            [0, 90, 0]).translate([0, width / 2, 0.6 * height])
+        flange = flange.translate([0, start, 0])
+        if edge == 1:
+            flange = flange.translate([x - t, 0, 0])
+        elif edge >= 2:
+            flange = flange.rotate([0, 0, -90]).translate([0, t if edge == 2 else y, 0])
+        body += flange
+    if len(edges) == 1 and draw.chance(0.5):
+        body += Manifold.cube([t, draw.mm(0.5, 1, 0.1) * y, draw.mm(12, 40)]).translate([draw.mm(0.35, 0.65, 0.05) * x, 0, 0])
+    return body
+
+
 FAMILIES = [bracket, flange, shaft, plate, housing, clevis, bearing_block, lever, profile, pulley, pipe_tee, manifold_block]
 
 
@@ -303,11 +326,11 @@ def closed_triangles_of(solid):
         return None
 
 
-def many(count, seed):
+def many(count, seed, families=FAMILIES):
     """(name, triangles) of each part."""
     signatures = []
     for index in range(count):
-        family = FAMILIES[index % len(FAMILIES)]
+        family = families[index % len(families)]
         for attempt in range(100):
             draw = Draw([seed, index, attempt])
             solid = fitted(family(draw))
@@ -347,7 +370,14 @@ def hard(seed):
         yield name, triangles_of(solid)
 
 
-SETS = {"thirty_tuning": (30, 3), "thousand_tuning": (1000, 1), "thousand": (1000, 2), "hard": (0, 2)}   # count, seed
+SETS = {   # folder: how its parts are made
+    "thirty_tuning": lambda: many(30, 3),
+    "thousand_tuning": lambda: many(1000, 1),
+    "thousand": lambda: many(1000, 2),
+    "hard": lambda: hard(2),
+    "sheet_tuning": lambda: many(6, 1, [sheet]),
+    "sheet": lambda: many(6, 2, [sheet]),
+}
 
 
 def write(folder, parts):
@@ -370,8 +400,8 @@ def main():
     if options.count < 1 or options.seed < 0:
         parser.error("--count must be 1 or more, --seed 0 or more")
     if options.sets:
-        for name, (count, seed) in SETS.items():
-            write(options.folder / name, many(count, seed) if count else hard(seed))
+        for name, made in SETS.items():
+            write(options.folder / name, made())
     else:
         write(options.folder, hard(options.seed) if options.hard else many(options.count, options.seed))
     return 0

@@ -5,7 +5,7 @@
 #include "rooms.hpp"
 
 #include "partpose/synthesis/bop_scenes.hpp"
-#include "partpose/synthesis/resting_poses.hpp"
+#include "partpose/geometry/resting_poses.hpp"
 #include "partpose/synthesis/scene_picture.hpp"
 #include "partpose/synthesis/synthetic_scene.hpp"
 

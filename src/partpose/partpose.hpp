@@ -50,7 +50,7 @@
 #include "partpose/report/output_folder.hpp"
 #include "partpose/report/report.hpp"
 #include "partpose/synthesis/bop_scenes.hpp"
-#include "partpose/synthesis/resting_poses.hpp"
+#include "partpose/geometry/resting_poses.hpp"
 #include "partpose/synthesis/scene_picture.hpp"
 #include "partpose/synthesis/synthetic_scene.hpp"
 #include "partpose/verification/greedy_verification.hpp"

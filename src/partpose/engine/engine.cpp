@@ -170,6 +170,8 @@ struct Engine::Impl {
   void models_changed();
   /// Finds the parts and poses that explain the object best, and polishes them where they are in doubt.
   void examine(Target& target, const ShortlistOptions& options, StageTimes& time) const;
+  /// The same from given starts. `one_part`: as of `verify`.
+  void examine(Target& target, std::vector<Hypothesis> starts, bool one_part, StageTimes& time) const;
   /// The frame's objects that may be parts, but for pieces of what is explained as a whole.
   std::vector<Target> examine_all(const FramePieces& frame, ExplainedLabels& labels, StageTimes& time) const;
   /// Polishes and decides where the coarse comparison is in doubt: a pose that is still a little off explains little.
@@ -339,7 +341,11 @@ Recognition Engine::recognize(const PointCloud& cloud) const {
 }
 
 void Engine::Impl::examine(Target& target, const ShortlistOptions& options, StageTimes& time) const {
-  auto hypotheses = time("templates", [&] { return shortlist(model_of, target.view, options); });
+  examine(target, time("templates", [&] { return shortlist(model_of, target.view, options); }), !options.look_behind,
+          time);
+}
+
+void Engine::Impl::examine(Target& target, std::vector<Hypothesis> hypotheses, bool one_part, StageTimes& time) const {
   time("refine_1", [&] {
     refine(hypotheses, model_of, target.view, target.view.few, 6);
     std::size_t kept = std::max<std::size_t>(24, hypotheses.size() / 4);
@@ -357,7 +363,7 @@ void Engine::Impl::examine(Target& target, const ShortlistOptions& options, Stag
     hypotheses = best_of(distinct(std::move(hypotheses), model_of), kept, 1);
     if (hypotheses.size() > 2 * kept) hypotheses.resize(2 * kept);
   });
-  time("verify", [&] { verify(target, std::move(hypotheses), !options.look_behind); });
+  time("verify", [&] { verify(target, std::move(hypotheses), one_part); });
   reconsider(target, time);
 }
 
@@ -384,6 +390,9 @@ std::vector<Target> Engine::Impl::examine_all(const FramePieces& frame, Explaine
     // Among many parts what is like the object may not be what it is.
     if (models.size() > few_parts && target.best_score < Target::weak_when_hidden)
       examine(target, {.every_part = true}, time);
+    if (target.is_weak())
+      examine(target, time("at_rest", [&] { return at_rest(models_to_search(target.heard), target.view); }), true,
+              time);
     if (target.best_score < Target::weak_when_hidden) target.partly_hidden = is_partly_hidden(target.view);
     if (target.partly_hidden && target.is_weak()) examine(target, {.look_behind = true}, time);
     if (target.best_score > Target::strong) labels.well |= object.labels;
@@ -582,6 +591,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
                                          {.start_scale_mm = std::max(0.02 * model.diameter_mm, target.noise_mm),
                                           .end_scale_mm = end_mm,
                                           .max_iterations = 6,
+                                          .upright = upright_of(h, target.view),
                                           .rate_end = false});
     h.camera_from_model = refined.camera_from_model;
     h.left_mm = refined.mean_capped * end_mm;
@@ -632,6 +642,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
     const auto others = in_place_of(hypotheses[0], model_of);
     more.insert(more.end(), others.begin(), others.end());
   }
+  for (auto& h : more) h.at_rest = false;
   parallel_for(more.size(), [&](std::size_t i) { settle(more[i]); });
   drop_sunk(more);
   drop_worse(more);

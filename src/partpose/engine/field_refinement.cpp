@@ -35,6 +35,15 @@ PlacedGroup placed(const ProbePoints::Group& group, const Eigen::Matrix3f& turn,
   return out;
 }
 
+/// The turn about a direction and the two moves across it, as columns of rotation and translation.
+Eigen::Matrix<float, 6, 3> moves_on_table(const Eigen::Vector3f& upright) {
+  Eigen::Matrix<float, 6, 3> moves = Eigen::Matrix<float, 6, 3>::Zero();
+  moves.block<3, 1>(0, 0) = upright;
+  moves.block<3, 1>(3, 1) = upright.unitOrthogonal();
+  moves.block<3, 1>(3, 2) = upright.cross(moves.block<3, 1>(3, 1));
+  return moves;
+}
+
 }  // namespace
 
 ProbePoints::ProbePoints(std::span<const Eigen::Vector3f> points_mm) : size_(points_mm.size()) {
@@ -118,7 +127,14 @@ FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry
     const float radius = std::sqrt(std::max(extent.sum() / weight_sum, 1e-6f));
     hessian.diagonal().head<3>().array() += 1e-3f * weight_sum * radius * radius;
     hessian.diagonal().tail<3>().array() += 1e-3f * weight_sum;
-    const Eigen::Matrix<float, 6, 1> step = hessian.llt().solve(-total.col(6).head<6>());
+    const Eigen::Matrix<float, 6, 1> gradient = total.col(6).head<6>();
+    Eigen::Matrix<float, 6, 1> step;
+    if (options.upright) {
+      const Eigen::Matrix<float, 6, 3> free = moves_on_table(turn * options.upright->cast<float>());
+      step = -free * (free.transpose() * hessian * free).llt().solve(free.transpose() * gradient);
+    } else {
+      step = -hessian.llt().solve(gradient);
+    }
     if (!step.allFinite()) break;
     // The step moves the points onto the surface; the part moves the other way.
     Eigen::Isometry3d points_motion = Eigen::Isometry3d::Identity();

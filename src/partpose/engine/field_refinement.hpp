@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,7 +38,9 @@ struct FieldRefinementOptions {
   double end_scale_mm = 1;     ///< and in the end: about the noise
   int max_iterations = 10;
   double converged_mm = 0.01;  ///< an iteration at the end scale that moves the points by less is the last
-  bool rate_end = true;        ///< else the result's distances are those before the last step, which saves a look
+  /// Camera frame, a unit vector: the part only turns about it and only moves across it, as on a table. None: any way.
+  std::optional<Eigen::Vector3d> upright = {};
+  bool rate_end = true;  ///< else the result's distances are those before the last step, which saves a look
 };
 
 struct FieldRefinement {

@@ -315,6 +315,63 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
   return out;
 }
 
+std::vector<Hypothesis> at_rest(std::span<const PartModel* const> models, const ObjectView& view) {
+  constexpr int turns = 24, least_high = 4;  // of a view's visible points
+  constexpr std::size_t kept_per_part = 16;
+  if (!view.frame->table) return {};
+  const FlatSurface& table = *view.frame->table;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  int high = 0;
+  for (const auto& p : view.points.points_mm)
+    if (table.height_mm(p / p.z(), p.z()) > table_off_mm) centre += p.cast<double>(), ++high;
+  if (high < least_high) return {};
+  centre /= high;
+  const Eigen::Vector3d down = table.q.cast<double>().normalized(), sight = centre.normalized();
+  const Eigen::Vector3f ray = (centre / centre.z()).cast<float>();
+  const double table_mm = 1 / table.q.cast<double>().norm() - table.bend_mm_at(ray.x(), ray.y());  // along `down`
+
+  std::vector<std::vector<Hypothesis>> of_part(models.size());
+  parallel_for(models.size(), [&](std::size_t part) {
+    if (!models[part]) return;
+    const PartModel& model = *models[part];
+    const double cap_mm = std::max(0.06 * model.diameter_mm, 3 * view.noise_mm);
+    for (const auto& rest : model.rests)
+      for (int k = 0; k < turns; ++k) {
+        Hypothesis h;
+        h.part = static_cast<int>(part);
+        h.at_rest = true;
+        const Eigen::Matrix3d turn = Eigen::AngleAxisd(2 * std::numbers::pi * k / turns, down).toRotationMatrix() *
+                                     Eigen::Quaterniond::FromTwoVectors(rest.down, down).toRotationMatrix();
+        h.view = model.view_from(turn.transpose() * sight);
+        Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of what of the part is high, model frame
+        int high_places = 0;
+        for (const auto& p : model.views[h.view].visible_mm)
+          if (rest.origin_height_mm - rest.down.dot(p.cast<double>()) > table_off_mm)
+            middle += p.cast<double>(), ++high_places;
+        if (high_places < least_high) continue;
+        middle /= high_places;
+        h.camera_from_model.linear() = turn;
+        Eigen::Vector3d origin = centre - turn * middle;
+        origin += (table_mm - rest.origin_height_mm - down.dot(origin)) * down;
+        h.camera_from_model.translation() = origin;
+        h.start = h.camera_from_model;
+        h.cost = mean_distance_mm(model.field, h.camera_from_model, view.few, cap_mm) / cap_mm;
+        of_part[part].push_back(h);
+      }
+    sort_by_cost(of_part[part]);
+    if (of_part[part].size() > kept_per_part) of_part[part].resize(kept_per_part);
+  });
+  std::vector<Hypothesis> out;
+  for (auto& some : of_part) out.insert(out.end(), some.begin(), some.end());
+  sort_by_cost(out);
+  return out;
+}
+
+std::optional<Eigen::Vector3d> upright_of(const Hypothesis& hypothesis, const ObjectView& view) {
+  if (!hypothesis.at_rest) return std::nullopt;
+  return view.frame->table->q.cast<double>().normalized();
+}
+
 void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const ObjectView& view,
             const ProbePoints& probes, int iterations) {
   // One part's after the other's, so that its field stays in the cache.
@@ -328,7 +385,8 @@ void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* cons
         const auto refined = refine_on_field(model.field, h.camera_from_model, probes,
                                              {.start_scale_mm = std::max(0.06 * model.diameter_mm, end_mm),
                                               .end_scale_mm = end_mm,
-                                              .max_iterations = iterations});
+                                              .max_iterations = iterations,
+                                              .upright = upright_of(h, view)});
         h.camera_from_model = refined.camera_from_model;
         h.cost = refined.mean_capped / 3 + reverse_cost(h, model, view, 3 * end_mm);
       },

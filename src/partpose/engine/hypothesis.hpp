@@ -17,7 +17,8 @@ namespace partpose {
 /// A part at a pose, with a cost by which hypotheses of one stage are compared: the lower the better.
 struct Hypothesis {
   int part = -1, view = -1;
-  int seed = -1;  ///< the place in the frame that the start is about, where it is about one
+  int seed = -1;         ///< the place in the frame that the start is about, where it is about one
+  bool at_rest = false;  ///< on the table by itself: it only moves and turns on it
   double cost = 0;
   double left_mm = 0;                                       ///< mean distance of the object's points, each to a limit
   double template_cost = 0;                                 ///< mean difference of the template's cells, in caps
@@ -67,6 +68,15 @@ bool is_partly_hidden(const ObjectView& view);
 /// The parts, views and turns about the line of sight whose templates are like the object's, best first.
 std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, const ObjectView& view,
                                   const ShortlistOptions& options);
+
+/// Each part as it stays on the table by itself, at each turn about the vertical, its high places where the object is:
+/// for what stands out of a part whose other places lie so low that they are taken for the table. Those that come
+/// nearest to the object's points, best first; none without a table, or of an object that is low itself. Models may be
+/// null.
+std::vector<Hypothesis> at_rest(std::span<const PartModel* const> models, const ObjectView& view);
+
+/// The direction to the table, where the hypothesis stays on it; camera frame.
+std::optional<Eigen::Vector3d> upright_of(const Hypothesis& hypothesis, const ObjectView& view);
 
 /// Puts each hypothesis onto the surface by some of the object's points, and ranks it by how far these are from it and
 /// by where what its view shows falls in the frame. Best first.

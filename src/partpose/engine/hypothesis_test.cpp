@@ -107,5 +107,73 @@ TEST(BestTurns, NoneOfWhatIsRoundOrFarFromIt) {
   EXPECT_TRUE(PartModel(shapes::l_bracket()).nearly_round.empty());
 }
 
+/// A base of sheet metal in the plane z = 0 to 3 with a flange at one edge, and the flange alone.
+TriangleMesh flange_of_sheet() { return shapes::box({0, 0, 0}, {3, 40, 45}); }
+TriangleMesh bent_sheet() { return shapes::joined(shapes::box({0, 0, 0}, {60, 40, 3}), flange_of_sheet()); }
+
+class AtRest : public ::testing::Test {
+ protected:
+  AtRest() {
+    camera_from_table.linear() =
+        Eigen::AngleAxisd(140 * std::numbers::pi / 180, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    table_from_part.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  }
+  /// What lies on a table, as a camera without noise sees it.
+  FramePieces pieces_of(const TriangleMesh& seen, const PartModel& model) {
+    depth = render_depth(shapes::joined(shapes::plane_patch(800, 600), shapes::moved(seen, table_from_part)),
+                         camera_from_table, camera);
+    FramePiecesOptions options;
+    options.largest_part_mm = options.smallest_part_mm = static_cast<float>(model.diameter_mm);
+    return split_frame(depth, camera, options);
+  }
+
+  const Intrinsics camera{.width = 480, .height = 360, .fx = 500, .fy = 500, .cx = 239.5, .cy = 179.5};
+  Eigen::Isometry3d camera_from_table{Eigen::Translation3d(0, 0, 500)};
+  Eigen::Isometry3d table_from_part{Eigen::Translation3d(-20, 10, 0)};
+  DepthImage depth;
+};
+
+TEST_F(AtRest, FindsThePartOfWhichOnlyAFlangeStandsOut) {
+  const PartModel model(bent_sheet());
+  const FramePieces pieces = pieces_of(flange_of_sheet(), model);
+  ASSERT_EQ(pieces.objects.size(), 1u);
+  const std::vector<const PartModel*> models = {nullptr, &model};
+  const auto found = at_rest(models, ObjectView(pieces, pieces.objects[0]));
+  ASSERT_FALSE(found.empty());
+  EXPECT_LE(found.size(), 16u);
+  const Eigen::Isometry3d truth = camera_from_table * table_from_part;
+  bool right = false;
+  for (const auto& h : found) {
+    EXPECT_EQ(h.part, 1);
+    EXPECT_TRUE(h.at_rest);
+    EXPECT_NEAR(height_above_table_mm(pieces, model, h.camera_from_model).value(), 0, 2);
+    right |= rotation_error_deg(h.camera_from_model, truth) < 10 &&
+             (h.camera_from_model * model.middle_mm - truth * model.middle_mm).norm() < 12;
+  }
+  EXPECT_TRUE(right);
+  for (std::size_t i = 1; i < found.size(); ++i) EXPECT_LE(found[i - 1].cost, found[i].cost);
+}
+
+TEST_F(AtRest, NothingOfWhatIsLow) {
+  const TriangleMesh plate = shapes::box({0, 0, 0}, {60, 40, 6});
+  const PartModel model(plate);
+  const FramePieces pieces = pieces_of(plate, model);
+  ASSERT_EQ(pieces.objects.size(), 1u);
+  const std::vector<const PartModel*> models = {&model};
+  EXPECT_TRUE(at_rest(models, ObjectView(pieces, pieces.objects[0])).empty());
+}
+
+TEST(PartModel, RestsOnItsFaces) {
+  const PartModel model(shapes::box({10, 20, 30}, {90, 80, 70}));  // 80 x 60 x 40
+  ASSERT_EQ(model.rests.size(), 6u);
+  EXPECT_GT(std::abs(model.rests[0].down.z()), 0.999);  // the largest face is the likeliest
+  for (const auto& rest : model.rests) {
+    double lowest_mm = 1e9;
+    for (const auto& p : model.samples_mm)
+      lowest_mm = std::min(lowest_mm, rest.origin_height_mm - rest.down.dot(p.cast<double>()));
+    EXPECT_NEAR(lowest_mm, 0, 0.1);
+  }
+}
+
 }  // namespace
 }  // namespace partpose

@@ -10,6 +10,7 @@
 #include "partpose/descriptor/crh.hpp"
 #include "partpose/engine/field_refinement.hpp"
 #include "partpose/geometry/icosphere.hpp"
+#include "partpose/geometry/resting_poses.hpp"
 
 #include <meshoptimizer.h>
 #include <Eigen/Eigenvalues>
@@ -170,6 +171,15 @@ void find_partners(PartModel& model) {
   for (const auto& partner : found) model.partners.push_back(partner.turn);
 }
 
+std::vector<PartModel::Rest> find_rests(const TriangleMesh& mesh) {
+  constexpr std::size_t most = 16;
+  constexpr double merge_deg = 10;  // a refinement makes up for it
+  std::vector<PartModel::Rest> rests;
+  for (const auto& pose : resting_poses(mesh, {.merge_deg = merge_deg}).poses)
+    if (rests.size() < most) rests.push_back({pose.down, pose.table_from_model.translation().z()});
+  return rests;
+}
+
 PartView make_view(const PointCloud& seen, const Eigen::Isometry3d& camera_from_model,
                    const Eigen::Isometry3d& sight_from_camera) {
   PartView view;
@@ -234,6 +244,7 @@ PartModel::PartModel(const TriangleMesh& mesh)
     views.push_back(of_view.view);
   }
   find_partners(*this);
+  rests = find_rests(surface);
 }
 
 Eigen::Isometry3d PartModel::Axis::turn(double angle_rad) const {
@@ -248,6 +259,14 @@ bool PartModel::is_symmetry(const Eigen::Isometry3d& model_from_model, double to
   return std::all_of(samples_mm.begin(), samples_mm.end(), [&](const Eigen::Vector3f& p) {
     return std::abs(field.at(motion * p).distance_mm) <= tolerance_mm;
   });
+}
+
+int PartModel::view_from(const Eigen::Vector3d& sight) const {
+  const Eigen::Vector3f direction = sight.cast<float>();
+  const auto cosine = [&](const PartView& view) { return view.sight_from_model.linear().row(2).dot(direction); };
+  const auto nearest = std::max_element(views.begin(), views.end(),
+                                        [&](const PartView& a, const PartView& b) { return cosine(a) < cosine(b); });
+  return static_cast<int>(nearest - views.begin());
 }
 
 Eigen::AlignedBox2d PartModel::covered(const Intrinsics& camera, const Eigen::Isometry3d& camera_from_model) const {
@@ -267,7 +286,7 @@ std::size_t PartModel::memory_bytes() const {
          templates.size() * sizeof(DepthTemplate) + small_templates.size() * (sizeof(SmallTemplate) + sizeof(CellSet)) +
          anchored.anchors.size() * (sizeof(AnchoredViews::Anchor) + sizeof(SmallTemplate)) + field.memory_bytes() +
          samples_mm.size() * sizeof(samples_mm[0]) + partners.size() * sizeof(partners[0]) +
-         nearly_round.size() * sizeof(Axis);
+         nearly_round.size() * sizeof(Axis) + rests.size() * sizeof(Rest);
 }
 
 }  // namespace partpose

@@ -56,11 +56,20 @@ struct PartModel {
     Eigen::Isometry3d turn(double angle_rad) const;  ///< model_from_model
   };
   std::vector<Axis> nearly_round;
+  /// How it stays on a table by itself, up to a turn about the vertical: model frame, most probable first.
+  struct Rest {
+    Eigen::Vector3d down;     ///< unit direction to the table
+    double origin_height_mm;  ///< of the model frame's origin above the table
+  };
+  std::vector<Rest> rests;
 
   static constexpr double outline_share = 0.006, surface_share = 0.001;
 
   /// Whether the part, moved so, is where it was, to within `tolerance_mm` everywhere.
   bool is_symmetry(const Eigen::Isometry3d& model_from_model, double tolerance_mm) const;
+
+  /// The view whose line of sight is nearest to a direction, camera to part, model frame.
+  int view_from(const Eigen::Vector3d& sight) const;
 
   /// The box of where its own box's corners are seen, in pixels; empty when all are behind the camera.
   Eigen::AlignedBox2d covered(const Intrinsics& camera, const Eigen::Isometry3d& camera_from_model) const;

@@ -5,7 +5,7 @@
 #include "partpose/camera/stereo_sensor.hpp"
 #include "partpose/core/depth_image.hpp"
 #include "partpose/core/mesh.hpp"
-#include "partpose/synthesis/resting_poses.hpp"
+#include "partpose/geometry/resting_poses.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "partpose/synthesis/resting_poses.hpp"
+#include "partpose/geometry/resting_poses.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/pose.hpp"
