@@ -171,11 +171,15 @@ bad "repair over the files" "write over the file itself" inspect parts --repair 
 mkdir twice && cp parts/link.stl twice/ && printf 'OFF\n4 4 6\n0 0 0\n30 0 0\n0 40 0\n0 0 50\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n' >twice/link.off
 bad "two parts of one name" 'link.stl: another model is already named "link": .*link.off' dataset --models twice --output d4
 bad "chord tolerance" "must be positive" inspect parts/link.stl --chord-tolerance 0
+bad "an image as a model" "bracket.png: is an image, not a model of a part; .*scenes" recognize --models "$frame" "$frame"
+bad "a cloud as a model" "bracket__bracket.ply: has no triangles, is it a point cloud" recognize --models "$root/scenes/bracket__bracket.ply" "$frame"
 bad "split" "must be \"product\"" inspect parts/link.stl --split halves
 
 echo "-- bad scenes"
 bad "no scene file" "nowhere.png" recognize --models parts nowhere.png
 bad "unknown kind of scene" "scene.xyz" recognize --models parts scene.xyz
+bad "a model as a scene" "link.stl: is a model of a part, not a scene; .*--models" recognize --models parts/bracket.stl parts/link.stl "$frame"
+bad "a folder as a scene" "is a folder, a scene is a file; give its files: .*scenes/\*.ply .*scenes/\*.png" recognize --models parts "$root/scenes"
 cp "$frame" lonely.png && bad "no camera" "camera.json" recognize --models parts lonely.png
 echo "{$camera}" >lonely.camera.json
 good "camera beside" recognize --models parts lonely.png
@@ -224,6 +228,7 @@ grep -q '^frames/a.png: bracket at (-5\.' out.txt && [ "$(wc -l <out.txt)" -eq 1
 echo nothing >frames/aa.png && bad "live, one bad file" "frames/aa.png" live frames --models parts
 [ "$(wc -l <out.txt)" -eq 2 ] || fail "live: the good frames were lost: $(cat out.txt)"
 bad "live, no source" "no such source; give a folder" live relasense --models parts
+bad "live of a file" "bracket.png: is a file, not a folder; partpose recognize" live "$frame" --models parts
 bad "live, nothing there" "give --follow" live empty --models parts
 bad "live, a camera followed" "only a folder can be followed" live realsense --follow --models parts
 printf '#!/bin/sh\nPATH=/nowhere exec "%s" "$@"\n' "$partpose" >without_path && chmod +x without_path

@@ -104,6 +104,8 @@ void execute(std::vector<std::string> words) {
 class DepthFolder {
  public:
   explicit DepthFolder(fs::path folder) : folder_(std::move(folder)) {
+    if (fs::is_regular_file(folder_))
+      throw Error("{}: is a file, not a folder; partpose recognize takes single files", folder_.string());
     if (!fs::is_directory(folder_))
       throw Error(
           "{}: no such source; give a folder of depth PNGs, a recording (.bag, .db3, .oni), realsense, "
