@@ -185,6 +185,7 @@ echo "{$camera}" >lonely.camera.json
 good "camera beside" recognize --models parts lonely.png
 echo "{${camera/\"fx\": 615, /}}" >lonely.camera.json && bad "camera without fx" '"fx" is missing' recognize --models parts lonely.png
 echo "{$camera, \"fz\": 1}" >lonely.camera.json && bad "unknown camera key" 'did you mean "fx"' recognize --models parts lonely.png
+echo "{${camera/\"cx\": 319.5, \"cy\"/\"ppx\": 319.5, \"ppy\"}}" >lonely.camera.json && bad "another program's camera" 'like a file of RealSense; write {"width": 640, .*"cy": 239.5, "depth_scale_mm": 1}' recognize --models parts lonely.png
 echo "{${camera/615/\"615\"}}" >lonely.camera.json && bad "wrong type" 'expected a number' recognize --models parts lonely.png
 echo "{${camera/640/320}}" >lonely.camera.json && bad "other size" '640 x 480' recognize --models parts lonely.png
 echo "{${camera/615/-615}}" >lonely.camera.json && bad "negative focal length" 'focal length' recognize --models parts lonely.png
