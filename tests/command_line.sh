@@ -190,6 +190,8 @@ echo "{${camera/615/\"615\"}}" >lonely.camera.json && bad "wrong type" 'expected
 echo "{${camera/640/320}}" >lonely.camera.json && bad "other size" '640 x 480' recognize --models parts lonely.png
 echo "{${camera/615/-615}}" >lonely.camera.json && bad "negative focal length" 'focal length' recognize --models parts lonely.png
 echo "{$camera" >lonely.camera.json && bad "broken JSON" 'lonely.camera.json: line ' recognize --models parts lonely.png
+echo "{${camera/319.5, \"cy\": 239.5/239.5, \"cy\": 319.5}}" >lonely.camera.json && good "a swapped principal point" recognize --models parts lonely.png lonely.png
+[ "$(grep -c "lonely.png: its camera looks wrong: cx 239.5 and cy 319.5 .* are they swapped?" err.txt)" -eq 1 ] || fail "a swapped principal point: $(cat err.txt)"
 echo "{$camera}" >lonely.camera.json
 head -c 5000 "$frame" >lonely.png && bad "truncated PNG" "lonely.png" recognize --models parts lonely.png
 echo "this is no picture" >lonely.png && bad "not a PNG" "lonely.png" recognize --models parts lonely.png

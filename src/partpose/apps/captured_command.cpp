@@ -4,6 +4,7 @@
 #include "output.hpp"
 #include "recognition_output.hpp"
 #include "recognizer_choice.hpp"
+#include "scene_reader.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
@@ -11,7 +12,6 @@
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/io/png.hpp"
-#include "partpose/io/scene.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/pipeline/recognizer.hpp"
 
@@ -147,12 +147,13 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
   check_models_are_known(set, recognizer.catalogue());
   std::map<std::string, Count> count_of_kind;
   Json lines = Json::array();
+  SceneReader reader;
   for (const auto& truth : set.scenes) {
     if (!arguments.kinds.empty() &&
         std::find(arguments.kinds.begin(), arguments.kinds.end(), truth.kind) == arguments.kinds.end())
       continue;
     check_not_interrupted();
-    const Scene scene = read_scene(truth.path);
+    const Scene scene = reader.read(truth.path);
     const Recognition recognition = named_after(truth.path, [&] { return recognizer.recognize(scene); });
     Json line = line_of(truth.path, recognition, recognizer.catalogue());
     const std::string verdict =

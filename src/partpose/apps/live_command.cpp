@@ -4,13 +4,13 @@
 #include "output.hpp"
 #include "recognition_output.hpp"
 #include "recognizer_choice.hpp"
+#include "scene_reader.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/stopwatch.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/model_files.hpp"
-#include "partpose/io/scene.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -164,11 +164,12 @@ struct Live {
   const LiveArguments& arguments;
   const Common& common;
   std::optional<std::ofstream> jsonl = {};
+  SceneReader reader = SceneReader();
   int count = 0, recognized = 0;
 
   void show(const fs::path& file) {
     const double timestamp_s = written_s(file);
-    const Scene scene = read_scene(file);
+    const Scene scene = reader.read(file);
     const Recognition found = named_after(file, [&] { return recognizer.recognize(scene); });
     const Json line = line_of(file, timestamp_s, found);
     if (arguments.json)

@@ -4,12 +4,12 @@
 #include "output.hpp"
 #include "recognition_output.hpp"
 #include "recognizer_choice.hpp"
+#include "scene_reader.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/png.hpp"
-#include "partpose/io/scene.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/report/report.hpp"
 
@@ -56,10 +56,11 @@ void recognize_all(RecognizeArguments arguments, const Common& common) {
   }
   PictureNames picture_names(arguments.pictures);
   if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
+  SceneReader reader({arguments.camera, arguments.units});
   for (const auto& path : arguments.scenes) {
     check_not_interrupted();
     try {
-      const Scene scene = read_scene(path, arguments.units == "m" ? 1000 : 1, arguments.camera);
+      const Scene scene = reader.read(path);
       const Recognition recognition = named_after(path, [&] { return chosen.recognizer->recognize(scene); });
       if (jsonl) *jsonl << json_line(line_of(path, recognition, catalogue)) << std::endl;
       if ((!common.quiet && !arguments.json) || chosen.config.debug.result_to_cout)

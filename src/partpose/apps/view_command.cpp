@@ -5,9 +5,9 @@
 #include "output.hpp"
 #include "recognition_output.hpp"
 #include "recognizer_choice.hpp"
+#include "scene_reader.hpp"
 
 #include "partpose/core/error.hpp"
-#include "partpose/io/scene.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/report/report.hpp"
 
@@ -96,7 +96,7 @@ fs::path write_page(const ViewArguments& arguments, const Common& common, Json& 
   chosen.config.debug.save_extras_json = chosen.config.debug.save_point_clouds = true;
   if (arguments.units == "m" && chosen.config.preprocessing.scale_flag)
     throw Error("view: --units m and the configuration's preprocessing.scale_flag would both scale the scene");
-  const Scene scene = read_scene(arguments.scene, arguments.units == "m" ? 1000 : 1, arguments.camera);
+  const Scene scene = SceneReader({arguments.camera, arguments.units}).read(arguments.scene);
   const Recognition recognition = named_after(arguments.scene, [&] { return chosen.recognizer->recognize(scene); });
   check_not_interrupted();
   const TemporaryFolder temporary;
