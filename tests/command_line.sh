@@ -73,6 +73,8 @@ good "evaluate" evaluate --dataset small --test small --config "$root/configs/pi
 [ "$(ls evaluated/*/evaluation.json evaluated/*/evaluation_dataset.json | wc -l)" -eq 48 ] || fail "evaluation.json is missing"
 good "dataset without configuration" recognize --dataset dataset --jsonl lines.jsonl "$frame"
 good "captured set" captured "$root/scenes" --models "$root/parts" --kind instance
+good "captured set, lines" captured "$root/scenes" --models "$root/parts" --kind instance --jsonl -
+! grep -v '^{.*}$' out.txt && grep -q 'pose right' err.txt || fail "captured --jsonl -: $(tail -n 1 out.txt)"
 good "captured set with folders" captured "$root/scenes" --models "$root/parts" --kind instance --output captured
 [ "$(ls captured/*/evaluation.json | wc -l)" -ge 1 ] || fail "captured: evaluation.json is missing"
 for folder in iterations clouds evaluated captured; do
@@ -226,6 +228,8 @@ good "live" live frames --models parts --json --jsonl live.jsonl
 [ "$(wc -l <out.txt)" -eq 2 ] && cmp -s out.txt live.jsonl || fail "live: $(head -c 300 out.txt)"
 grep -q '^{"frame":0,"timestamp_s":.*"name":"frames/a.png","part":"bracket","camera_from_model":\[\[' out.txt || fail "live: $(head -c 300 out.txt)"
 grep -q '^{"frame":1,.*"part":null,"camera_from_model":null,.*"detections":\[\]' out.txt || fail "live: $(tail -n 1 out.txt)"
+good "live, lines" live frames --models parts --jsonl -
+[ "$(grep -c '^{.*}$' out.txt)" -eq 2 ] && [ ! -e - ] || fail "live --jsonl -: $(tail -n 1 out.txt)"
 good "live, by the recognizer" live frames --models parts --recognizer recognizer --frames 1
 grep -q '^frames/a.png: bracket at (-5\.' out.txt && [ "$(wc -l <out.txt)" -eq 1 ] || fail "live: $(cat out.txt)"
 echo nothing >frames/aa.png && bad "live, one bad file" "frames/aa.png" live frames --models parts
@@ -395,6 +399,8 @@ bad "a kind that no scene has" "its kinds are" captured "$root/scenes" --models 
 bad "unknown recognizer" "magic" recognize --models parts --recognizer magic "$frame"
 bad "recognizer and configuration" "exclude" recognize --dataset dataset --config clouds.json --recognizer engine s.pcd
 bad "lines twice" "give one of them" recognize --models parts --json --jsonl lines.jsonl "$frame"
+"$partpose" recognize --models parts --jsonl - "$frame" >out.txt 2>err.txt
+[ "$(wc -l <out.txt)" -eq 1 ] && grep -q '^{.*}$' out.txt || fail "text among the lines of --jsonl -: $(tail -n 1 out.txt)"
 "$partpose" recognize --models parts "$frame" >out.txt 2>err.txt
 grep -q 'bracket.png: bracket, score 0.[0-9]*.* ms)$' out.txt || fail "recognize, in words: $(cat out.txt)"
 

@@ -147,6 +147,7 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
   check_models_are_known(set, recognizer.catalogue());
   std::map<std::string, Count> count_of_kind;
   Json lines = Json::array();
+  std::FILE* out = is_standard_output(arguments.jsonl) ? stderr : stdout;
   SceneReader reader;
   for (const auto& truth : set.scenes) {
     if (!arguments.kinds.empty() &&
@@ -159,9 +160,9 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
     const std::string verdict =
         judge(recognition, truth, set, recognizer.catalogue(), arguments, count_of_kind[truth.kind], line);
     if (!arguments.json) {
-      fmt::print("{:<32} {:5.0f} ms  {}\n", truth.path.filename().string(), recognition.total_ms(),
-                 coloured(stdout, verdict.starts_with("right") ? Colour::green : Colour::red, verdict));
-      if (!common.quiet && recognition.accepted >= 0) print_pose(recognition.result.T_final);
+      fmt::print(out, "{:<32} {:5.0f} ms  {}\n", truth.path.filename().string(), recognition.total_ms(),
+                 coloured(out, verdict.starts_with("right") ? Colour::green : Colour::red, verdict));
+      if (!common.quiet && recognition.accepted >= 0) fmt::print(out, "{}", text_of(recognition.result.T_final));
     }
     if (jsonl) *jsonl << json_line(line) << std::endl;
     if (!arguments.output.empty())
@@ -174,13 +175,13 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
     print_json(json_of(std::move(lines), count_of_kind));
     return;
   }
-  fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10}\n", "kind", "frames", "right", "wrong", "none", "pose right",
-             "median ms");
+  fmt::print(out, "{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10}\n", "kind", "frames", "right", "wrong", "none",
+             "pose right", "median ms");
   for (auto& [kind, count] : count_of_kind) {
-    fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10.0f}\n", kind, count.frames, count.right, count.wrong,
+    fmt::print(out, "{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10.0f}\n", kind, count.frames, count.right, count.wrong,
                count.none, count.pose_right, count.median_ms());
   }
-  fmt::print("pose right: within {} deg and {} mm of the truth or of a pose that is equivalent by symmetry\n",
+  fmt::print(out, "pose right: within {} deg and {} mm of the truth or of a pose that is equivalent by symmetry\n",
              arguments.limit_deg, arguments.limit_mm);
 }
 
@@ -197,7 +198,7 @@ void add_captured_command(CLI::App& app, const Common& common) {
                    "Only scenes of this kind (object_only, with_table, full_frame, instance)")
       ->allow_extra_args(false);
   captured->add_flag("--json", arguments->json, "Print it all as JSON");
-  captured->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here");
+  captured->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here (-: standard output)");
   captured->add_option(
       "-o,--output", arguments->output,
       "Write an iteration output folder for each scene here, with evaluation.json in it (partpose report)");

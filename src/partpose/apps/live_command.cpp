@@ -264,7 +264,8 @@ void add_live_command(CLI::App& app, const Common& common) {
   live->add_option("--cache", arguments->cache,
                    "Where catalogues for --recognizer recognizer are kept (default: ~/.cache/partpose)");
   live->add_flag("--json", arguments->json, "Print one JSON line for each frame");
-  live->add_option("--jsonl", arguments->jsonl, "Append one JSON line for each frame to this file");
+  live->add_option("--jsonl", arguments->jsonl,
+                   "Append one JSON line for each frame to this file (-: standard output, as --json)");
   live->add_option("--frames", arguments->frames, "End after so many frames")->check(CLI::PositiveNumber);
   live->add_flag("--follow", arguments->follow, "Of a folder: wait for files to come");
   live->footer(
@@ -276,6 +277,10 @@ void add_live_command(CLI::App& app, const Common& common) {
       "is\n"
       "the same command. Ctrl-C ends it after the frame at hand, with exit code 0; 130: before the first frame.");
   live->callback([arguments, &common] {
+    if (is_standard_output(arguments->jsonl)) {  // a file of that name is hardly meant
+      arguments->json = true;
+      arguments->jsonl.clear();
+    }
     if (!is_for_python(arguments->source)) return recognize_folder(*arguments, common);
     if (arguments->follow) throw Error("{}: only a folder can be followed", arguments->source);
     become_python(*arguments, common);

@@ -6,9 +6,11 @@
 
 namespace partpose::apps {
 
+bool is_standard_output(const std::filesystem::path& path) { return path == "-" || path == "/dev/stdout"; }
+
 std::ofstream open_for_writing(const std::filesystem::path& path) {
   // Standard output may be a file that others append to: it is never truncated.
-  const bool standard_output = path == "-" || path == "/dev/stdout";
+  const bool standard_output = is_standard_output(path);
   std::ofstream file(standard_output ? "/dev/stdout" : path, standard_output ? std::ios::app : std::ios::trunc);
   if (!file) throw Error("{}: cannot be written", path.string());
   return file;

@@ -11,6 +11,9 @@
 
 namespace partpose::apps {
 
+/// "-" or /dev/stdout: text for people must not come between its lines then.
+bool is_standard_output(const std::filesystem::path& path);
+
 /// "-" is standard output. Throws Error when the file cannot be written.
 std::ofstream open_for_writing(const std::filesystem::path& path);
 

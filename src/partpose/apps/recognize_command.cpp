@@ -44,6 +44,7 @@ void recognize_all(RecognizeArguments arguments, const Common& common) {
   if (arguments.json && !arguments.jsonl.empty())
     throw Error("recognize: --json and --jsonl write the same lines; give one of them");
   if (arguments.json) arguments.jsonl = "-";
+  arguments.json = is_standard_output(arguments.jsonl);
   const ChosenRecognizer chosen = choose_recognizer("recognize", arguments, common);
   const Catalogue& catalogue = chosen.recognizer->catalogue();
   if (arguments.units == "m" && chosen.config.preprocessing.scale_flag)
@@ -102,7 +103,8 @@ void add_recognize_command(CLI::App& app, const Common& common) {
       ->check(CLI::IsMember({"mm", "m"}))
       ->capture_default_str();
   recognize->add_flag("--json", arguments->json, "Print one JSON line for each scene, and nothing else");
-  recognize->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here (-: standard output)");
+  recognize->add_option("--jsonl", arguments->jsonl,
+                        "Write one JSON line for each scene here (-: standard output, as --json)");
   recognize->add_option("--pictures", arguments->pictures,
                         "Write a picture of each scene with the part drawn over it here");
   recognize->add_option("-o,--output", arguments->output,
