@@ -205,6 +205,9 @@ bad "PCD without z" "s.pcd" recognize --models parts s.pcd
 bad "one bad scene among good ones" "s.pcd" recognize --models parts --jsonl lines.jsonl "$frame" s.pcd "$frame"
 [ "$(wc -l <lines.jsonl)" -eq 3 ] || fail "the good scenes were lost: $(cat lines.jsonl)"
 
+good "depth images have their own unit" recognize --models parts --units m "$frame" "$frame"
+[ "$(grep -c "bracket.png: --units m is of clouds; .*depth_scale_mm" err.txt)" -eq 1 ] || fail "--units m of a depth image: $(cat err.txt)"
+
 echo "-- scenes that show nothing"
 header() { printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH %d\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS %d\nDATA ascii\n' "$1" "$1"; }
 header 0 >empty.pcd

@@ -12,13 +12,16 @@ namespace partpose::apps {
 
 Scene SceneReader::read(const std::filesystem::path& path) {
   Scene scene = read_scene(path, reading_.units == "m" ? 1000 : 1, reading_.camera);
-  if (scene.intrinsics) warn(path, doubt_about(*scene.intrinsics));
+  if (!scene.depth) return scene;
+  if (const std::string doubt = doubt_about(*scene.intrinsics); !doubt.empty())
+    warn_once(path, "its camera looks wrong: " + doubt);
+  if (reading_.units == "m")
+    warn_once(path, "--units m is of clouds; a depth image's unit is the depth_scale_mm of its camera");
   return scene;
 }
 
-void SceneReader::warn(const std::filesystem::path& path, const std::string& doubt) {
-  if (doubt.empty() || !said_.insert(doubt).second) return;
-  complain(fmt::format("{}: its camera looks wrong: {}", path.string(), doubt));
+void SceneReader::warn_once(const std::filesystem::path& path, const std::string& doubt) {
+  if (said_.insert(doubt).second) complain(fmt::format("{}: {}", path.string(), doubt));
 }
 
 }  // namespace partpose::apps

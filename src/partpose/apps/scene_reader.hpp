@@ -24,7 +24,7 @@ class SceneReader {
   Scene read(const std::filesystem::path& path);
 
  private:
-  void warn(const std::filesystem::path& path, const std::string& doubt);
+  void warn_once(const std::filesystem::path& path, const std::string& doubt);
 
   SceneReading reading_;
   std::set<std::string> said_;
