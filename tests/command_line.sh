@@ -198,6 +198,7 @@ echo "{$camera}" >lonely.camera.json
 head -c 5000 "$frame" >lonely.png && bad "truncated PNG" "lonely.png" recognize --models parts lonely.png
 echo "this is no picture" >lonely.png && bad "not a PNG" "lonely.png" recognize --models parts lonely.png
 cp pictures/bracket.png lonely.png && bad "8-bit PNG" "16-bit" recognize --models parts lonely.png
+mkdir colours && cp pictures/bracket.png colours/ && bad "a picture without a camera" "colours/bracket.png: is a picture .*, not a depth image" recognize --models parts colours/bracket.png
 printf 'ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\nabc' >s.ply
 bad "huge PLY" "s.ply" recognize --models parts s.ply
 printf 'VERSION 0.7\nFIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA ascii\n1 2\n' >s.pcd
@@ -237,6 +238,12 @@ good "live, by the recognizer" live frames --models parts --recognizer recognize
 grep -q '^frames/a.png: bracket at (-5\.' out.txt && [ "$(wc -l <out.txt)" -eq 1 ] || fail "live: $(cat out.txt)"
 echo nothing >frames/aa.png && bad "live, one bad file" "frames/aa.png" live frames --models parts
 [ "$(wc -l <out.txt)" -eq 2 ] || fail "live: the good frames were lost: $(cat out.txt)"
+rm frames/aa.png && cp pictures/bracket.png frames/a.color.png && cp pictures/bracket.png frames/b.color.png
+good "live, pictures beside" live frames --models parts
+[ "$(wc -l <out.txt)" -eq 2 ] && [ "$(grep -c "frames/.*.color.png: is a picture .* left out" err.txt)" -eq 1 ] || fail "live, pictures beside: $(cat err.txt)"
+rm frames/*.color.png
+"$partpose" live colours --models parts 2>err.txt
+[ $? -eq 2 ] && grep -q 'colours: holds no 16-bit depth image' err.txt || fail "live of pictures: $(cat err.txt)"
 bad "live, no source" "no such source; give a folder" live relasense --models parts
 bad "live of a file" "bracket.png: is a file, not a folder; partpose recognize" live "$frame" --models parts
 bad "live, nothing there" "give --follow" live empty --models parts

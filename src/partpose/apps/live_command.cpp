@@ -11,6 +11,7 @@
 #include "partpose/core/stopwatch.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/model_files.hpp"
+#include "partpose/io/png.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -100,7 +101,7 @@ void execute(std::vector<std::string> words) {
   throw Error("{}", missing);
 }
 
-/// The depth PNGs of a folder, by name, each once; those that come later as well.
+/// The depth PNGs of a folder, by name, each once; those that come later as well. Pictures among them are left out.
 class DepthFolder {
  public:
   explicit DepthFolder(fs::path folder) : folder_(std::move(folder)) {
@@ -116,14 +117,28 @@ class DepthFolder {
   std::optional<fs::path> next() {
     if (waiting_.empty())
       for (const auto& entry : fs::directory_iterator(folder_))
-        if (entry.path().extension() == ".png" && known_.insert(entry.path()).second) waiting_.insert(entry.path());
+        if (entry.path().extension() == ".png" && known_.insert(entry.path()).second) add(entry.path());
     if (waiting_.empty()) return {};
     return waiting_.extract(waiting_.begin()).value();
   }
 
+  bool has_pictures() const { return has_pictures_; }
+
  private:
+  void add(const fs::path& file) {
+    if (!is_picture_png(file)) {
+      waiting_.insert(file);
+      return;
+    }
+    if (!has_pictures_)
+      complain(fmt::format("{}: is a picture (8-bit or in colours), not a depth image: such files are left out",
+                           file.string()));
+    has_pictures_ = true;
+  }
+
   fs::path folder_;
   std::set<fs::path> known_, waiting_;
+  bool has_pictures_ = false;
 };
 
 /// When the file was written last, by the system's clock.
@@ -215,7 +230,8 @@ void recognize_folder(const LiveArguments& arguments, const Common& common) {
   DepthFolder folder(arguments.source);
   std::optional<fs::path> file = folder.next();
   if (!file && !arguments.follow)
-    throw Error("{}: holds no .png; to wait for files to come, give --follow", arguments.source);
+    throw Error("{}: holds no {}; to wait for files to come, give --follow", arguments.source,
+                folder.has_pictures() ? "16-bit depth image" : ".png");
   const auto recognizer = make_recognizer(
       arguments.recognizer,
       catalogue_for(arguments.recognizer, read_parts(arguments.models, {}, common), arguments.cache, common),

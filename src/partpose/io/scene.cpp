@@ -69,6 +69,9 @@ Scene read_scene(const std::filesystem::path& path, double unit_mm, const std::f
     for (auto& p : scene.cloud.points) p *= static_cast<float>(unit_mm);
     return scene;
   }
+  if (is_picture_png(path))  // of which not the camera is missing
+    throw Error("{}: is a picture (8-bit or in colours), not a depth image: that is a 16-bit greyscale PNG",
+                path.string());
   const auto camera_path = camera_file.empty() ? camera_file_of(path) : camera_file;
   const CameraFile camera = read_camera(camera_path);
   scene.depth = read_depth_png(path, camera.depth_scale_mm);
