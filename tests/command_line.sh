@@ -209,8 +209,18 @@ bad "one bad scene among good ones" "s.pcd" recognize --models parts --jsonl lin
 good "depth images have their own unit" recognize --models parts --units m "$frame" "$frame"
 [ "$(grep -c "bracket.png: --units m is of clouds; .*depth_scale_mm" err.txt)" -eq 1 ] || fail "--units m of a depth image: $(cat err.txt)"
 
-echo "-- scenes that show nothing"
+echo "-- what may be the cause"
+for scale in 0.1 10; do
+  echo "{${camera/depth_scale_mm\": 1/depth_scale_mm\": $scale}}" >scaled.json
+  nothing "depths x $scale" recognize --models parts --camera scaled.json "$frame"
+  grep -q '"reason":"[^"]*; half of it is .* away: is it in another unit than stated?"' lines.jsonl || fail "depths x $scale: $(cat lines.jsonl)"
+done
 header() { printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH %d\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS %d\nDATA ascii\n' "$1" "$1"; }
+{ header 1250; for ((i = 0; i < 5000; i += 4)); do echo "$((i % 100 - 50 + i / 100 % 4)) $((i / 100 - 25)) 600"; done; } >thin.pcd
+nothing "a thinned cloud" recognize --models parts thin.pcd
+grep -q '"reason":"[^"]*; the cloud seems to be thinned' lines.jsonl || fail "a thinned cloud: $(cat lines.jsonl)"
+
+echo "-- scenes that show nothing"
 header 0 >empty.pcd
 { header 1; echo "1 2 600"; } >point.pcd
 { header 3; for _ in 1 2 3; do echo "nan nan nan"; done; } >nan.pcd
