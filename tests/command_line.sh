@@ -264,6 +264,24 @@ mkdir path && printf '#!/bin/sh\necho "$@"\n' >path/partpose-live && chmod +x pa
 PATH="$work/path:$PATH" good "live, a camera" live realsense:12 --models parts --models x.stl --frames 3 --json --threads 2
 grep -qx 'realsense:12 --recognizer engine --frames 3 --threads 2 --json --quiet --models parts x.stl' out.txt || fail "live as Python: $(cat out.txt)"
 
+echo "-- output that cannot be written, told before the work"
+: >a_file
+none_done() { [ ! -s out.txt ] && [ ! -e nowhere ] || fail "$*: $(head -c 200 out.txt)"; }
+for option in --output --pictures; do
+  for folder in a_file a_file/below; do
+    for command in "recognize --models parts $frame" "captured $root/scenes --models $root/parts"; do
+      bad "$command $option $folder" "cannot be written: .*a_file is not a folder" $command $option $folder
+      none_done "$command $option $folder"
+    done
+  done
+done
+for command in "recognize --models broken $frame" "captured $root/scenes --models broken" "evaluate --dataset nowhere --test small" "ambiguity broken --camera nowhere.json"; do
+  bad "$command" "nowhere/lines.jsonl: cannot be written: there is no folder" $command --jsonl nowhere/lines.jsonl
+done
+bad "scenes" "cannot be written" scenes --models parts --output drawn_nowhere --pictures a_file
+[ ! -e drawn_nowhere ] || fail "scenes were drawn before the pictures' folder was looked at"
+bad "bop recognize" "nowhere/r.csv: cannot be written" bop recognize "$golden" -o nowhere/r.csv
+
 echo "-- bad configurations"
 config() { sed "$1" "$root/configs/pipeline_virtual.json" >c.json; }
 by_config() { echo recognize --dataset dataset --config c.json dataset/models/0001/views/0007.pcd; }

@@ -34,6 +34,7 @@ struct AmbiguityArguments {
 
 void list(const AmbiguityArguments& arguments, const Common& common) {
   arguments.views.check();
+  check_file_can_be_written(arguments.jsonl);
   std::vector<AmbiguityPart> parts;
   for (auto& part : read_parts(arguments.models, arguments.reading, common))
     parts.push_back({part.name, part.mesh, search_symmetries(part.mesh).found.symmetries});

@@ -45,6 +45,7 @@ std::size_t images_of(const BopDataset& dataset) {
 }
 
 void recognize(const BopRecognizeArguments& arguments, const Common& common) {
+  check_file_can_be_written(arguments.output);
   const BopDataset dataset = read_bop_dataset(arguments.dataset, arguments.split);
   const float min_score = arguments.min_score.value_or(default_min_score(arguments.recognizer));
   const auto progress = terminal_progress(common);

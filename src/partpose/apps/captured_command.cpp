@@ -132,6 +132,9 @@ Json json_of(Json lines, const std::map<std::string, Count>& count_of_kind) {
 }
 
 void evaluate_captured(const CapturedArguments& arguments, const Common& common) {
+  check_file_can_be_written(arguments.jsonl);
+  check_folder_can_be_written(arguments.output);
+  check_folder_can_be_written(arguments.pictures);
   const CapturedSet set = read_captured_set(arguments.set);
   const auto parts = read_parts({arguments.models.empty() ? arguments.set / "models" : arguments.models}, {}, common);
   const auto chosen = make_recognizer(

@@ -72,6 +72,8 @@ Json frame_line(const ProtocolFrame& frame, const Recognition& recognition, cons
 }
 
 void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) {
+  check_file_can_be_written(arguments.jsonl);
+  check_folder_can_be_written(arguments.output);
   const auto config = pipeline_config(arguments.config, arguments.overrides);
   const auto progress = terminal_progress(common);
   const Unfinished frame;  // each is finished before a signal counts

@@ -227,6 +227,7 @@ struct Live {
 };
 
 void recognize_folder(const LiveArguments& arguments, const Common& common) {
+  check_file_can_be_written(arguments.jsonl);
   DepthFolder folder(arguments.source);
   std::optional<fs::path> file = folder.next();
   if (!file && !arguments.follow)

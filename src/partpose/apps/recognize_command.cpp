@@ -45,6 +45,9 @@ void recognize_all(RecognizeArguments arguments, const Common& common) {
     throw Error("recognize: --json and --jsonl write the same lines; give one of them");
   if (arguments.json) arguments.jsonl = "-";
   arguments.json = is_standard_output(arguments.jsonl);
+  check_file_can_be_written(arguments.jsonl);
+  check_folder_can_be_written(arguments.output);
+  check_folder_can_be_written(arguments.pictures);
   const ChosenRecognizer chosen = choose_recognizer("recognize", arguments, common);
   const Catalogue& catalogue = chosen.recognizer->catalogue();
   if (arguments.units == "m" && chosen.config.preprocessing.scale_flag)

@@ -109,6 +109,7 @@ void make_scenes(const ScenesArguments& arguments, const Common& common) {
   }
   if (arguments.output.empty()) throw Error("scenes: give the folder to write with --output");
   if (arguments.frames < 1) throw Error("scenes: --frames {}: must be 1 or more", arguments.frames);
+  check_folder_can_be_written(arguments.pictures);
   const Stopwatch watch;
   const auto frames = static_cast<std::size_t>(arguments.frames);
   const auto symmetries_of = [](const TriangleMesh& mesh) {

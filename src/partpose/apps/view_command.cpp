@@ -81,6 +81,7 @@ bool open_page(const fs::path& page) {
 
 /// The report of a scene that is recognized now, or of the frame that an output folder holds.
 fs::path write_page(const ViewArguments& arguments, const Common& common, Json& said) {
+  check_file_can_be_written(arguments.output);
   ReportOptions options;
   options.title = arguments.scene.filename().string();
   if (fs::is_directory(arguments.scene)) {
