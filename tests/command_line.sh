@@ -68,6 +68,8 @@ good "all output files" recognize --dataset dataset --config clouds.json --outpu
 for file in candidate_0.ply candidate_5.ply result_full.ply result_partial.pcd result_partial.ply scene_cloud_w_normals.pcd scene_cloud_w_normals.ply scene_original.ply; do [ -s clouds/*/$file ] || fail "clouds/*/$file is missing"; done
 cat >small.json <<<'{"virtual_views_icosahedron": {"subdivide": 0}}'
 good "small dataset" dataset --models parts --config small.json --output small
+"$partpose" dataset --models parts/link.stl --config small.json --output one_part >out.txt
+grep -q '^one_part: 1 part x 12 views in ' out.txt || fail "dataset says: $(cat out.txt)"
 good "evaluate" evaluate --dataset small --test small --config "$root/configs/pipeline_virtual.json" --output evaluated --jsonl lines.jsonl
 [ "$(wc -l <lines.jsonl)" -eq 24 ] || fail "evaluate: $(wc -l <lines.jsonl) lines instead of 24"
 [ "$(ls evaluated/*/evaluation.json evaluated/*/evaluation_dataset.json | wc -l)" -eq 48 ] || fail "evaluation.json is missing"

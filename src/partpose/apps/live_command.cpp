@@ -262,8 +262,8 @@ void recognize_folder(const LiveArguments& arguments, const Common& common) {
   if (live.jsonl && !*live.jsonl)
     throw Error("{}: could not be written completely: is the disk full?", arguments.jsonl.string());
   if (!common.quiet)
-    fmt::print(stderr, "{} frame{}, {} recognized, {:.1f} frames/s\n", live.count, live.count == 1 ? "" : "s",
-               live.recognized, 1000 * live.count / std::max(since_start.elapsed_ms(), 1e-6));
+    fmt::print(stderr, "{}, {} recognized, {:.1f} frames/s\n", counted(live.count, "frame"), live.recognized,
+               1000 * live.count / std::max(since_start.elapsed_ms(), 1e-6));
 }
 
 }  // namespace

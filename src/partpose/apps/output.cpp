@@ -53,6 +53,10 @@ std::ofstream open_for_writing(const std::filesystem::path& path) {
   return file;
 }
 
+std::string counted(std::size_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 void print_json(const Json& json) { fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace)); }
 
 Json times_of(std::span<const MeasuredOperation> stages) {

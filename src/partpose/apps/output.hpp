@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <string>
 
 namespace partpose::apps {
 
@@ -21,6 +22,9 @@ void check_folder_can_be_written(const std::filesystem::path& folder);
 
 /// "-" is standard output. Throws Error when the file cannot be written.
 std::ofstream open_for_writing(const std::filesystem::path& path);
+
+/// "1 part", "2 parts".
+std::string counted(std::size_t count, const char* noun);
 
 /// One document on standard output.
 void print_json(const Json& json);

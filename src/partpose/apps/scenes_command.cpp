@@ -123,8 +123,8 @@ void make_scenes(const ScenesArguments& arguments, const Common& common) {
                 {"parts", parts.size()},
                 {"time_s", watch.elapsed_ms() / 1000}});
   else if (!common.quiet)
-    fmt::print("{}: {} frames of {} parts in {:.2f} s\n", arguments.output.string(), frames, parts.size(),
-               watch.elapsed_ms() / 1000);
+    fmt::print("{}: {} of {} in {:.2f} s\n", arguments.output.string(), counted(frames, "frame"),
+               counted(parts.size(), "part"), watch.elapsed_ms() / 1000);
   if (arguments.pictures.empty()) return;
   fs::create_directories(arguments.pictures);
   const SceneGenerator generator(std::move(parts), std::move(unknown), options.scene);
