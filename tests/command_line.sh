@@ -592,6 +592,8 @@ if command -v python3 >/dev/null; then
   good "experiment goes on" experiment experiment.json -o experiment
   [ "$(grep -c '}$' experiment/frames.jsonl)" -eq 24 ] || fail "experiment: $(grep -c '}$' experiment/frames.jsonl) frames instead of 24"
   rm -f live.jsonl frames/aa.png
+  mkdir no_frames
+  interrupted "live, before the first frame" SIGINT 130 'no_frames.jsonl' live no_frames --follow --models parts --jsonl no_frames.jsonl
   interrupted "live, which it is meant to end" SIGINT 0 'live.jsonl' live frames --follow --models parts --jsonl live.jsonl
 fi
 

@@ -161,6 +161,8 @@ def _run(options: argparse.Namespace, output: TextIO) -> int:
             stop.restore()
             if log is not None:
                 log.close()
+    if stop.asked and count == 0:
+        return 130
     if not options.quiet:
         seconds = max(time.monotonic() - begun, 1e-9)
         print(f"{count} frame{'s' * (count != 1)}, {recognized} recognized, {count / seconds:.1f} frames/s", file=sys.stderr)

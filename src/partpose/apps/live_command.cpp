@@ -258,6 +258,7 @@ void recognize_folder(const LiveArguments& arguments, const Common& common) {
       ++common.failures;
     }
   }
+  if (live.count == 0) check_not_interrupted();
   accept_signal();
   if (live.jsonl && !*live.jsonl)
     throw Error("{}: could not be written completely: is the disk full?", arguments.jsonl.string());
