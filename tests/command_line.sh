@@ -155,6 +155,9 @@ mkdir metres
 printf 'solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nfacet normal 0 1 0\nouter loop\nvertex 0 0 0\nvertex 0 0 0.1\nvertex 0.1 0 0\nendloop\nendfacet\nendsolid s\n' >metres/wedge.stl
 good "a part in metres" recognize --models metres "$frame"
 grep -q 'wedge.stl: is 0.1[0-9]* mm across; is it in metres' err.txt || fail "a part in metres: $(cat err.txt)"
+mkdir centimetres && sed 's/0\.1/5/g' metres/wedge.stl >centimetres/wedge.stl
+good "a part in centimetres" recognize --models centimetres "$frame"
+grep -q 'wedge.stl: is [78][.0-9]* mm across; is it in inches or centimetres?' err.txt || fail "a part in centimetres: $(cat err.txt)"
 good "inspect" inspect parts/link.stl --json
 grep -q '"watertight": true' out.txt || fail "inspect: $(head -c 300 out.txt)"
 good "inspect with views" inspect parts/bracket.stl --views --subdivide 0
