@@ -68,11 +68,15 @@ good "all output files" recognize --dataset dataset --config clouds.json --outpu
 for file in candidate_0.ply candidate_5.ply result_full.ply result_partial.pcd result_partial.ply scene_cloud_w_normals.pcd scene_cloud_w_normals.ply scene_original.ply; do [ -s clouds/*/$file ] || fail "clouds/*/$file is missing"; done
 cat >small.json <<<'{"virtual_views_icosahedron": {"subdivide": 0}}'
 good "small dataset" dataset --models parts --config small.json --output small
+"$partpose" dataset --models parts/link.stl --config small.json --output one_part >out.txt
+grep -q '^one_part: 1 part x 12 views in ' out.txt || fail "dataset says: $(cat out.txt)"
 good "evaluate" evaluate --dataset small --test small --config "$root/configs/pipeline_virtual.json" --output evaluated --jsonl lines.jsonl
 [ "$(wc -l <lines.jsonl)" -eq 24 ] || fail "evaluate: $(wc -l <lines.jsonl) lines instead of 24"
 [ "$(ls evaluated/*/evaluation.json evaluated/*/evaluation_dataset.json | wc -l)" -eq 48 ] || fail "evaluation.json is missing"
 good "dataset without configuration" recognize --dataset dataset --jsonl lines.jsonl "$frame"
 good "captured set" captured "$root/scenes" --models "$root/parts" --kind instance
+good "captured set, lines" captured "$root/scenes" --models "$root/parts" --kind instance --jsonl -
+! grep -v '^{.*}$' out.txt && grep -q 'pose right' err.txt || fail "captured --jsonl -: $(tail -n 1 out.txt)"
 good "captured set with folders" captured "$root/scenes" --models "$root/parts" --kind instance --output captured
 [ "$(ls captured/*/evaluation.json | wc -l)" -ge 1 ] || fail "captured: evaluation.json is missing"
 for folder in iterations clouds evaluated captured; do
@@ -151,6 +155,9 @@ mkdir metres
 printf 'solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nfacet normal 0 1 0\nouter loop\nvertex 0 0 0\nvertex 0 0 0.1\nvertex 0.1 0 0\nendloop\nendfacet\nendsolid s\n' >metres/wedge.stl
 good "a part in metres" recognize --models metres "$frame"
 grep -q 'wedge.stl: is 0.1[0-9]* mm across; is it in metres' err.txt || fail "a part in metres: $(cat err.txt)"
+mkdir centimetres && sed 's/0\.1/5/g' metres/wedge.stl >centimetres/wedge.stl
+good "a part in centimetres" recognize --models centimetres "$frame"
+grep -q 'wedge.stl: is [78][.0-9]* mm across; is it in inches or centimetres?' err.txt || fail "a part in centimetres: $(cat err.txt)"
 good "inspect" inspect parts/link.stl --json
 grep -q '"watertight": true' out.txt || fail "inspect: $(head -c 300 out.txt)"
 good "inspect with views" inspect parts/bracket.stl --views --subdivide 0
@@ -171,24 +178,32 @@ bad "repair over the files" "write over the file itself" inspect parts --repair 
 mkdir twice && cp parts/link.stl twice/ && printf 'OFF\n4 4 6\n0 0 0\n30 0 0\n0 40 0\n0 0 50\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n' >twice/link.off
 bad "two parts of one name" 'link.stl: another model is already named "link": .*link.off' dataset --models twice --output d4
 bad "chord tolerance" "must be positive" inspect parts/link.stl --chord-tolerance 0
+bad "an image as a model" "bracket.png: is an image, not a model of a part; .*scenes" recognize --models "$frame" "$frame"
+bad "a cloud as a model" "bracket__bracket.ply: has no triangles, is it a point cloud" recognize --models "$root/scenes/bracket__bracket.ply" "$frame"
 bad "split" "must be \"product\"" inspect parts/link.stl --split halves
 
 echo "-- bad scenes"
 bad "no scene file" "nowhere.png" recognize --models parts nowhere.png
 bad "unknown kind of scene" "scene.xyz" recognize --models parts scene.xyz
+bad "a model as a scene" "link.stl: is a model of a part, not a scene; .*--models" recognize --models parts/bracket.stl parts/link.stl "$frame"
+bad "a folder as a scene" "is a folder, a scene is a file; give its files: .*scenes/\*.ply .*scenes/\*.png" recognize --models parts "$root/scenes"
 cp "$frame" lonely.png && bad "no camera" "camera.json" recognize --models parts lonely.png
 echo "{$camera}" >lonely.camera.json
 good "camera beside" recognize --models parts lonely.png
 echo "{${camera/\"fx\": 615, /}}" >lonely.camera.json && bad "camera without fx" '"fx" is missing' recognize --models parts lonely.png
 echo "{$camera, \"fz\": 1}" >lonely.camera.json && bad "unknown camera key" 'did you mean "fx"' recognize --models parts lonely.png
+echo "{${camera/\"cx\": 319.5, \"cy\"/\"ppx\": 319.5, \"ppy\"}}" >lonely.camera.json && bad "another program's camera" 'like a file of RealSense; write {"width": 640, .*"cy": 239.5, "depth_scale_mm": 1}' recognize --models parts lonely.png
 echo "{${camera/615/\"615\"}}" >lonely.camera.json && bad "wrong type" 'expected a number' recognize --models parts lonely.png
 echo "{${camera/640/320}}" >lonely.camera.json && bad "other size" '640 x 480' recognize --models parts lonely.png
 echo "{${camera/615/-615}}" >lonely.camera.json && bad "negative focal length" 'focal length' recognize --models parts lonely.png
 echo "{$camera" >lonely.camera.json && bad "broken JSON" 'lonely.camera.json: line ' recognize --models parts lonely.png
+echo "{${camera/319.5, \"cy\": 239.5/239.5, \"cy\": 319.5}}" >lonely.camera.json && good "a swapped principal point" recognize --models parts lonely.png lonely.png
+[ "$(grep -c "lonely.png: its camera looks wrong: cx 239.5 and cy 319.5 .* are they swapped?" err.txt)" -eq 1 ] || fail "a swapped principal point: $(cat err.txt)"
 echo "{$camera}" >lonely.camera.json
 head -c 5000 "$frame" >lonely.png && bad "truncated PNG" "lonely.png" recognize --models parts lonely.png
 echo "this is no picture" >lonely.png && bad "not a PNG" "lonely.png" recognize --models parts lonely.png
 cp pictures/bracket.png lonely.png && bad "8-bit PNG" "16-bit" recognize --models parts lonely.png
+mkdir colours && cp pictures/bracket.png colours/ && bad "a picture without a camera" "colours/bracket.png: is a picture .*, not a depth image" recognize --models parts colours/bracket.png
 printf 'ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\nabc' >s.ply
 bad "huge PLY" "s.ply" recognize --models parts s.ply
 printf 'VERSION 0.7\nFIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA ascii\n1 2\n' >s.pcd
@@ -196,8 +211,21 @@ bad "PCD without z" "s.pcd" recognize --models parts s.pcd
 bad "one bad scene among good ones" "s.pcd" recognize --models parts --jsonl lines.jsonl "$frame" s.pcd "$frame"
 [ "$(wc -l <lines.jsonl)" -eq 3 ] || fail "the good scenes were lost: $(cat lines.jsonl)"
 
-echo "-- scenes that show nothing"
+good "depth images have their own unit" recognize --models parts --units m "$frame" "$frame"
+[ "$(grep -c "bracket.png: --units m is of clouds; .*depth_scale_mm" err.txt)" -eq 1 ] || fail "--units m of a depth image: $(cat err.txt)"
+
+echo "-- what may be the cause"
+for scale in 0.1 10; do
+  echo "{${camera/depth_scale_mm\": 1/depth_scale_mm\": $scale}}" >scaled.json
+  nothing "depths x $scale" recognize --models parts --camera scaled.json "$frame"
+  grep -q '"reason":"[^"]*; half of it is .* away: is it in another unit than stated?"' lines.jsonl || fail "depths x $scale: $(cat lines.jsonl)"
+done
 header() { printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH %d\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS %d\nDATA ascii\n' "$1" "$1"; }
+{ header 1250; for ((i = 0; i < 5000; i += 4)); do echo "$((i % 100 - 50 + i / 100 % 4)) $((i / 100 - 25)) 600"; done; } >thin.pcd
+nothing "a thinned cloud" recognize --models parts thin.pcd
+grep -q '"reason":"[^"]*; the cloud seems to be thinned' lines.jsonl || fail "a thinned cloud: $(cat lines.jsonl)"
+
+echo "-- scenes that show nothing"
 header 0 >empty.pcd
 { header 1; echo "1 2 600"; } >point.pcd
 { header 3; for _ in 1 2 3; do echo "nan nan nan"; done; } >nan.pcd
@@ -219,11 +247,20 @@ good "live" live frames --models parts --json --jsonl live.jsonl
 [ "$(wc -l <out.txt)" -eq 2 ] && cmp -s out.txt live.jsonl || fail "live: $(head -c 300 out.txt)"
 grep -q '^{"frame":0,"timestamp_s":.*"name":"frames/a.png","part":"bracket","camera_from_model":\[\[' out.txt || fail "live: $(head -c 300 out.txt)"
 grep -q '^{"frame":1,.*"part":null,"camera_from_model":null,.*"detections":\[\]' out.txt || fail "live: $(tail -n 1 out.txt)"
+good "live, lines" live frames --models parts --jsonl -
+[ "$(grep -c '^{.*}$' out.txt)" -eq 2 ] && [ ! -e - ] || fail "live --jsonl -: $(tail -n 1 out.txt)"
 good "live, by the recognizer" live frames --models parts --recognizer recognizer --frames 1
 grep -q '^frames/a.png: bracket at (-5\.' out.txt && [ "$(wc -l <out.txt)" -eq 1 ] || fail "live: $(cat out.txt)"
 echo nothing >frames/aa.png && bad "live, one bad file" "frames/aa.png" live frames --models parts
 [ "$(wc -l <out.txt)" -eq 2 ] || fail "live: the good frames were lost: $(cat out.txt)"
+rm frames/aa.png && cp pictures/bracket.png frames/a.color.png && cp pictures/bracket.png frames/b.color.png
+good "live, pictures beside" live frames --models parts
+[ "$(wc -l <out.txt)" -eq 2 ] && [ "$(grep -c "frames/.*.color.png: is a picture .* left out" err.txt)" -eq 1 ] || fail "live, pictures beside: $(cat err.txt)"
+rm frames/*.color.png
+"$partpose" live colours --models parts 2>err.txt
+[ $? -eq 2 ] && grep -q 'colours: holds no 16-bit depth image' err.txt || fail "live of pictures: $(cat err.txt)"
 bad "live, no source" "no such source; give a folder" live relasense --models parts
+bad "live of a file" "bracket.png: is a file, not a folder; partpose recognize" live "$frame" --models parts
 bad "live, nothing there" "give --follow" live empty --models parts
 bad "live, a camera followed" "only a folder can be followed" live realsense --follow --models parts
 printf '#!/bin/sh\nPATH=/nowhere exec "%s" "$@"\n' "$partpose" >without_path && chmod +x without_path
@@ -231,6 +268,24 @@ partpose="$work/without_path" bad "live, a camera without Python" "which is not 
 mkdir path && printf '#!/bin/sh\necho "$@"\n' >path/partpose-live && chmod +x path/partpose-live
 PATH="$work/path:$PATH" good "live, a camera" live realsense:12 --models parts --models x.stl --frames 3 --json --threads 2
 grep -qx 'realsense:12 --recognizer engine --frames 3 --threads 2 --json --quiet --models parts x.stl' out.txt || fail "live as Python: $(cat out.txt)"
+
+echo "-- output that cannot be written, told before the work"
+: >a_file
+none_done() { [ ! -s out.txt ] && [ ! -e nowhere ] || fail "$*: $(head -c 200 out.txt)"; }
+for option in --output --pictures; do
+  for folder in a_file a_file/below; do
+    for command in "recognize --models parts $frame" "captured $root/scenes --models $root/parts"; do
+      bad "$command $option $folder" "cannot be written: .*a_file is not a folder" $command $option $folder
+      none_done "$command $option $folder"
+    done
+  done
+done
+for command in "recognize --models broken $frame" "captured $root/scenes --models broken" "evaluate --dataset nowhere --test small" "ambiguity broken --camera nowhere.json"; do
+  bad "$command" "nowhere/lines.jsonl: cannot be written: there is no folder" $command --jsonl nowhere/lines.jsonl
+done
+bad "scenes" "cannot be written" scenes --models parts --output drawn_nowhere --pictures a_file
+[ ! -e drawn_nowhere ] || fail "scenes were drawn before the pictures' folder was looked at"
+bad "bop recognize" "nowhere/r.csv: cannot be written" bop recognize "$golden" -o nowhere/r.csv
 
 echo "-- bad configurations"
 config() { sed "$1" "$root/configs/pipeline_virtual.json" >c.json; }
@@ -387,6 +442,8 @@ bad "a kind that no scene has" "its kinds are" captured "$root/scenes" --models 
 bad "unknown recognizer" "magic" recognize --models parts --recognizer magic "$frame"
 bad "recognizer and configuration" "exclude" recognize --dataset dataset --config clouds.json --recognizer engine s.pcd
 bad "lines twice" "give one of them" recognize --models parts --json --jsonl lines.jsonl "$frame"
+"$partpose" recognize --models parts --jsonl - "$frame" >out.txt 2>err.txt
+[ "$(wc -l <out.txt)" -eq 1 ] && grep -q '^{.*}$' out.txt || fail "text among the lines of --jsonl -: $(tail -n 1 out.txt)"
 "$partpose" recognize --models parts "$frame" >out.txt 2>err.txt
 grep -q 'bracket.png: bracket, score 0.[0-9]*.* ms)$' out.txt || fail "recognize, in words: $(cat out.txt)"
 
@@ -538,6 +595,8 @@ if command -v python3 >/dev/null; then
   good "experiment goes on" experiment experiment.json -o experiment
   [ "$(grep -c '}$' experiment/frames.jsonl)" -eq 24 ] || fail "experiment: $(grep -c '}$' experiment/frames.jsonl) frames instead of 24"
   rm -f live.jsonl frames/aa.png
+  mkdir no_frames
+  interrupted "live, before the first frame" SIGINT 130 'no_frames.jsonl' live no_frames --follow --models parts --jsonl no_frames.jsonl
   interrupted "live, which it is meant to end" SIGINT 0 'live.jsonl' live frames --follow --models parts --jsonl live.jsonl
 fi
 

@@ -88,7 +88,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--min-score", type=float, help="a candidate below is not believed, 0 to 1")
     parser.add_argument("--cache", help="where catalogues of the recognizer are kept (default: ~/.cache/partpose)")
     parser.add_argument("--json", action="store_true", help="one line of JSON for each frame, on standard output")
-    parser.add_argument("--jsonl", metavar="FILE", help="append the lines of JSON to this file")
+    parser.add_argument("--jsonl", metavar="FILE", help="append the lines of JSON to this file (-: as --json)")
     parser.add_argument("--frames", type=int, help="end after so many frames")
     parser.add_argument("--follow", action="store_true", help="of a folder: wait for files to come")
     parser.add_argument("--threads", type=int, default=0, help="at most so many threads (0: as many as the machine has)")
@@ -128,6 +128,8 @@ def _run(options: argparse.Namespace, output: TextIO) -> int:
         raise Error(f"--frames: must be 1 or more, got {options.frames}")
     if options.threads < 0:
         raise Error(f"--threads: must be 0 or more, got {options.threads}")
+    if options.jsonl == "-":
+        options.json, options.jsonl = True, None
     failures = 0
     with ThreadLimit(options.threads), sources.open_source(options.source, follow=options.follow) as source:
         recognizer = _recognizer(options)
@@ -159,6 +161,8 @@ def _run(options: argparse.Namespace, output: TextIO) -> int:
             stop.restore()
             if log is not None:
                 log.close()
+    if stop.asked and count == 0:
+        return 130
     if not options.quiet:
         seconds = max(time.monotonic() - begun, 1e-9)
         print(f"{count} frame{'s' * (count != 1)}, {recognized} recognized, {count / seconds:.1f} frames/s", file=sys.stderr)

@@ -323,6 +323,28 @@ def test_live_ends_by_ctrl_c(root: Path, cache: Path, tmp_path: Path) -> None:
     assert program.stderr.read().startswith("2 frames, 0 recognized")
 
 
+def test_live_ends_before_the_first_frame(root: Path, tmp_path: Path) -> None:
+    (tmp_path / "frames").mkdir()
+    log = tmp_path / "live.jsonl"
+    command = [sys.executable, "-m", "partpose", "live", tmp_path / "frames", "--follow", "--jsonl", log,
+               "--models", root / "parts" / "bracket.stl"]  # fmt: skip
+    program = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while not log.exists() and program.poll() is None:
+        time.sleep(0.01)
+    time.sleep(0.2)  # until it waits
+    program.send_signal(signal.SIGINT)
+    assert program.wait(timeout=20) == 130
+
+
+def test_live_takes_a_dash_for_standard_output(
+    root: Path, cache: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    put_frame(tmp_path / "frames", "0.png")
+    arguments = [tmp_path / "frames", "--jsonl", "-", "--cache", cache, "--models", root / "parts" / "bracket.stl"]
+    assert live.main([str(a) for a in arguments]) == 0
+    assert json.loads(capsys.readouterr().out)["frame"] == 0
+
+
 def test_lines_of_a_recording(tmp_path: Path, recognizer: partpose.Recognizer) -> None:
     with sources.open_source(record(tmp_path, 3)) as source:
         lines = [live.line_of(frame, recognizer.recognize(frame.depth_mm, frame.intrinsics)) for frame in source]

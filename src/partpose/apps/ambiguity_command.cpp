@@ -34,6 +34,7 @@ struct AmbiguityArguments {
 
 void list(const AmbiguityArguments& arguments, const Common& common) {
   arguments.views.check();
+  check_file_can_be_written(arguments.jsonl);
   std::vector<AmbiguityPart> parts;
   for (auto& part : read_parts(arguments.models, arguments.reading, common))
     parts.push_back({part.name, part.mesh, search_symmetries(part.mesh).found.symmetries});
@@ -55,8 +56,9 @@ void list(const AmbiguityArguments& arguments, const Common& common) {
   std::optional<std::ofstream> jsonl;
   if (!arguments.jsonl.empty()) jsonl.emplace(open_for_writing(arguments.jsonl));
   Json all = Json::object();
+  std::FILE* out = is_standard_output(arguments.jsonl) ? stderr : stdout;
   if (!arguments.json)
-    fmt::print("{:<24} {:>6} {:>15} {:>11}  {}\n", "part", "views", "pose ambiguous", "most poses",
+    fmt::print(out, "{:<24} {:>6} {:>15} {:>11}  {}\n", "part", "views", "pose ambiguous", "most poses",
                "views like another part");
   for (std::size_t p = 0; p < parts.size(); ++p) {
     int ambiguous = 0, most = 0;
@@ -91,7 +93,7 @@ void list(const AmbiguityArguments& arguments, const Common& common) {
     }
     std::string text;
     for (const auto& [name, count] : others) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count);
-    fmt::print("{:<24} {:>6} {:>8} ({:3.0f} %) {:>11}  {}\n", parts[p].name, views.size(), ambiguous,
+    fmt::print(out, "{:<24} {:>6} {:>8} ({:3.0f} %) {:>11}  {}\n", parts[p].name, views.size(), ambiguous,
                100.0 * ambiguous / static_cast<double>(views.size()), most, text);
   }
   if (arguments.json) print_json(all);

@@ -45,6 +45,7 @@ std::size_t images_of(const BopDataset& dataset) {
 }
 
 void recognize(const BopRecognizeArguments& arguments, const Common& common) {
+  check_file_can_be_written(arguments.output);
   const BopDataset dataset = read_bop_dataset(arguments.dataset, arguments.split);
   const float min_score = arguments.min_score.value_or(default_min_score(arguments.recognizer));
   const auto progress = terminal_progress(common);
@@ -63,9 +64,9 @@ void recognize(const BopRecognizeArguments& arguments, const Common& common) {
                 {"images", images_of(dataset)},
                 {"average_time_s", std::max(bop_average_time_s(estimates), 0.0)}});
   if (common.quiet || arguments.json) return;
-  fmt::print("{} of {} instances recognized in {} images, {:.2f} s for each that shows one; written to {}\n",
-             estimates.size(), wanted, images_of(dataset), std::max(bop_average_time_s(estimates), 0.0),
-             arguments.output.string());
+  fmt::print("{} of {} recognized in {}, {:.2f} s for each that shows one; written to {}\n", estimates.size(),
+             counted(wanted, "instance"), counted(images_of(dataset), "image"),
+             std::max(bop_average_time_s(estimates), 0.0), arguments.output.string());
 }
 
 /// The keys of the toolkit's scores_bop19.json, and more beside.
@@ -114,8 +115,8 @@ void score(BopScoreArguments arguments, const Common& common) {
     if (!file) throw Error("{}: could not be written completely: is the disk full?", arguments.json.string());
     if (arguments.json == "-") return;
   }
-  fmt::print("{} instances in {} images, {} estimates of them\n", scores.targets_count, images_of(dataset),
-             scores.estimates_kept);
+  fmt::print("{} in {}, {} of them\n", counted(scores.targets_count, "instance"), counted(images_of(dataset), "image"),
+             counted(scores.estimates_kept, "estimate"));
   fmt::print("{:<12} {:>8} {:>8} {:>8} {:>8}\n", "recall in %", "AR", "AR_VSD", "AR_MSSD", "AR_MSPD");
   print_row("all", scores.vsd ? std::optional(scores.vsd->average_recall) : std::nullopt, scores.mssd.average_recall,
             scores.mspd.average_recall);

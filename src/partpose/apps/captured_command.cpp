@@ -4,6 +4,7 @@
 #include "output.hpp"
 #include "recognition_output.hpp"
 #include "recognizer_choice.hpp"
+#include "scene_reader.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
@@ -11,7 +12,6 @@
 #include "partpose/evaluation/accuracy.hpp"
 #include "partpose/evaluation/captured_set.hpp"
 #include "partpose/io/png.hpp"
-#include "partpose/io/scene.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/pipeline/recognizer.hpp"
 
@@ -132,6 +132,9 @@ Json json_of(Json lines, const std::map<std::string, Count>& count_of_kind) {
 }
 
 void evaluate_captured(const CapturedArguments& arguments, const Common& common) {
+  check_file_can_be_written(arguments.jsonl);
+  check_folder_can_be_written(arguments.output);
+  check_folder_can_be_written(arguments.pictures);
   const CapturedSet set = read_captured_set(arguments.set);
   const auto parts = read_parts({arguments.models.empty() ? arguments.set / "models" : arguments.models}, {}, common);
   const auto chosen = make_recognizer(
@@ -147,20 +150,22 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
   check_models_are_known(set, recognizer.catalogue());
   std::map<std::string, Count> count_of_kind;
   Json lines = Json::array();
+  std::FILE* out = is_standard_output(arguments.jsonl) ? stderr : stdout;
+  SceneReader reader;
   for (const auto& truth : set.scenes) {
     if (!arguments.kinds.empty() &&
         std::find(arguments.kinds.begin(), arguments.kinds.end(), truth.kind) == arguments.kinds.end())
       continue;
     check_not_interrupted();
-    const Scene scene = read_scene(truth.path);
+    const Scene scene = reader.read(truth.path);
     const Recognition recognition = named_after(truth.path, [&] { return recognizer.recognize(scene); });
     Json line = line_of(truth.path, recognition, recognizer.catalogue());
     const std::string verdict =
         judge(recognition, truth, set, recognizer.catalogue(), arguments, count_of_kind[truth.kind], line);
     if (!arguments.json) {
-      fmt::print("{:<32} {:5.0f} ms  {}\n", truth.path.filename().string(), recognition.total_ms(),
-                 coloured(stdout, verdict.starts_with("right") ? Colour::green : Colour::red, verdict));
-      if (!common.quiet && recognition.accepted >= 0) print_pose(recognition.result.T_final);
+      fmt::print(out, "{:<32} {:5.0f} ms  {}\n", truth.path.filename().string(), recognition.total_ms(),
+                 coloured(out, verdict.starts_with("right") ? Colour::green : Colour::red, verdict));
+      if (!common.quiet && recognition.accepted >= 0) fmt::print(out, "{}", text_of(recognition.result.T_final));
     }
     if (jsonl) *jsonl << json_line(line) << std::endl;
     if (!arguments.output.empty())
@@ -173,13 +178,13 @@ void evaluate_captured(const CapturedArguments& arguments, const Common& common)
     print_json(json_of(std::move(lines), count_of_kind));
     return;
   }
-  fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10}\n", "kind", "frames", "right", "wrong", "none", "pose right",
-             "median ms");
+  fmt::print(out, "{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10}\n", "kind", "frames", "right", "wrong", "none",
+             "pose right", "median ms");
   for (auto& [kind, count] : count_of_kind) {
-    fmt::print("{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10.0f}\n", kind, count.frames, count.right, count.wrong,
+    fmt::print(out, "{:<14} {:>6} {:>8} {:>8} {:>8} {:>12} {:>10.0f}\n", kind, count.frames, count.right, count.wrong,
                count.none, count.pose_right, count.median_ms());
   }
-  fmt::print("pose right: within {} deg and {} mm of the truth or of a pose that is equivalent by symmetry\n",
+  fmt::print(out, "pose right: within {} deg and {} mm of the truth or of a pose that is equivalent by symmetry\n",
              arguments.limit_deg, arguments.limit_mm);
 }
 
@@ -196,7 +201,7 @@ void add_captured_command(CLI::App& app, const Common& common) {
                    "Only scenes of this kind (object_only, with_table, full_frame, instance)")
       ->allow_extra_args(false);
   captured->add_flag("--json", arguments->json, "Print it all as JSON");
-  captured->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here");
+  captured->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here (-: standard output)");
   captured->add_option(
       "-o,--output", arguments->output,
       "Write an iteration output folder for each scene here, with evaluation.json in it (partpose report)");

@@ -55,8 +55,8 @@ void make_dataset(const DatasetArguments& arguments, const Common& common) {
                 {"views", dataset.out.views.size()},
                 {"time_s", watch.elapsed_ms() / 1000}});
   } else if (!common.quiet) {
-    fmt::print("{}: {} parts x {} views in {:.2f} s\n", arguments.output.string(), dataset.out.models.size(),
-               dataset.out.views.size(), watch.elapsed_ms() / 1000);
+    fmt::print("{}: {} x {} in {:.2f} s\n", arguments.output.string(), counted(dataset.out.models.size(), "part"),
+               counted(dataset.out.views.size(), "view"), watch.elapsed_ms() / 1000);
   }
 }
 
@@ -108,8 +108,9 @@ void add_dataset_commands(CLI::App& app, const Common& common) {
                   {"parts", catalogue.parts.size()},
                   {"time_s", watch.elapsed_ms() / 1000}});
     else if (!common.quiet)
-      fmt::print("{}: {} {} descriptors of {} parts ready in {:.2f} s\n", index_arguments->dataset.string(),
-                 catalogue.index.size(), config.global_descriptor, catalogue.parts.size(), watch.elapsed_ms() / 1000);
+      fmt::print("{}: {} {} descriptors of {} ready in {:.2f} s\n", index_arguments->dataset.string(),
+                 catalogue.index.size(), config.global_descriptor, counted(catalogue.parts.size(), "part"),
+                 watch.elapsed_ms() / 1000);
   });
 }
 

@@ -40,8 +40,8 @@ struct EvaluateArguments {
   double limit_mm = 15;
 };
 
-void print_row(const std::string& name, const ProtocolSummary& s) {
-  fmt::print("{:<24} {:>6} {:>9.1f} {:>9.1f} {:>9.1f} {:>12.1f} {:>9.1f} {:>9.1f}\n", name, s.frames,
+void print_row(std::FILE* out, const std::string& name, const ProtocolSummary& s) {
+  fmt::print(out, "{:<24} {:>6} {:>9.1f} {:>9.1f} {:>9.1f} {:>12.1f} {:>9.1f} {:>9.1f}\n", name, s.frames,
              s.correct_percent(), s.wrong_percent(), s.none_percent(), s.pose_right_percent(), s.median_ms, s.p95_ms);
 }
 
@@ -72,6 +72,8 @@ Json frame_line(const ProtocolFrame& frame, const Recognition& recognition, cons
 }
 
 void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) {
+  check_file_can_be_written(arguments.jsonl);
+  check_folder_can_be_written(arguments.output);
   const auto config = pipeline_config(arguments.config, arguments.overrides);
   const auto progress = terminal_progress(common);
   const Unfinished frame;  // each is finished before a signal counts
@@ -111,12 +113,13 @@ void evaluate_dataset(const EvaluateArguments& arguments, const Common& common) 
                 {"limit_mm", arguments.limit_mm}});
     return;
   }
-  fmt::print("{:<24} {:>6} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "part shown", "frames", "correct %", "wrong %",
+  std::FILE* out = is_standard_output(arguments.jsonl) ? stderr : stdout;
+  fmt::print(out, "{:<24} {:>6} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "part shown", "frames", "correct %", "wrong %",
              "none %", "pose right %", "median ms", "p95 ms");
-  for (const auto& model : test.out.models) print_row(model.name, of_part[model.name]);
-  print_row("all", all);
-  fmt::print("pose right: within {} deg and {} mm of the truth, of all frames, symmetry ignored\n", arguments.limit_deg,
-             arguments.limit_mm);
+  for (const auto& model : test.out.models) print_row(out, model.name, of_part[model.name]);
+  print_row(out, "all", all);
+  fmt::print(out, "pose right: within {} deg and {} mm of the truth, of all frames, symmetry ignored\n",
+             arguments.limit_deg, arguments.limit_mm);
 }
 
 }  // namespace
@@ -130,7 +133,7 @@ void add_evaluate_command(CLI::App& app, const Common& common) {
   evaluate->add_option("-c,--config", arguments->config, "Pipeline JSON");
   add_set_option(*evaluate, arguments->overrides);
   evaluate->add_flag("--json", arguments->json, "Print the table as JSON");
-  evaluate->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each frame here");
+  evaluate->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each frame here (-: standard output)");
   evaluate->add_option("-o,--output", arguments->output,
                        "Write an iteration output folder for each frame here, with evaluation.json in it");
   evaluate->add_option("--limit-deg", arguments->limit_deg, "A pose is right below this rotation error")

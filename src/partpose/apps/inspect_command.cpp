@@ -67,9 +67,6 @@ void convert(TriangleMesh& mesh, const std::string& unit) {
 std::vector<std::string> warnings_of(const NamedMesh& part, const PartReport& report) {
   std::vector<std::string> out;
   const auto& mesh = report.mesh;
-  const auto plural = [](int count, const char* noun) {
-    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-  };
   if (!mesh.unit_guess.empty() && part.unit.empty()) {
     const double factor = mm_per_unit(mesh.unit_guess);
     const char* option = mesh.unit_guess == "metre" ? "m" : mesh.unit_guess == "inch" ? "in" : "um";
@@ -81,16 +78,16 @@ std::vector<std::string> warnings_of(const NamedMesh& part, const PartReport& re
                               mesh.diagonal_mm, part.unit));
   }
   if (!mesh.watertight)
-    out.push_back(fmt::format("not watertight: {}{}", plural(mesh.open_edges, "open edge"),
+    out.push_back(fmt::format("not watertight: {}{}", counted(mesh.open_edges, "open edge"),
                               report.repairable ? " (cracks: --repair welds them)" : ""));
   if (mesh.non_manifold_edges > 0)
-    out.push_back(fmt::format("{} of more than two triangles", plural(mesh.non_manifold_edges, "edge")));
+    out.push_back(fmt::format("{} of more than two triangles", counted(mesh.non_manifold_edges, "edge")));
   if (mesh.flipped_triangles > 0)
     out.push_back(fmt::format(
         "{} inwards (--repair turns them)",
         mesh.flipped_triangles == 1 ? "1 triangle faces" : fmt::format("{} triangles face", mesh.flipped_triangles)));
   if (mesh.degenerate_triangles > 0)
-    out.push_back(fmt::format("{} without area", plural(mesh.degenerate_triangles, "triangle")));
+    out.push_back(fmt::format("{} without area", counted(mesh.degenerate_triangles, "triangle")));
   if (mesh.duplicate_triangles > 0)
     out.push_back(fmt::format("{} twice (--repair removes copies)",
                               mesh.duplicate_triangles == 1
@@ -98,10 +95,10 @@ std::vector<std::string> warnings_of(const NamedMesh& part, const PartReport& re
                                   : fmt::format("{} triangles are there", mesh.duplicate_triangles)));
   if (report.stored_normals && report.stored_normals->missing > 0)
     out.push_back(fmt::format("{} stored without a normal (partpose uses the winding)",
-                              plural(report.stored_normals->missing, "triangle")));
+                              counted(report.stored_normals->missing, "triangle")));
   if (report.stored_normals && report.stored_normals->against > 0)
     out.push_back(fmt::format("{} against the winding (partpose uses the winding)",
-                              plural(report.stored_normals->against, "stored normal")));
+                              counted(report.stored_normals->against, "stored normal")));
   return out;
 }
 
@@ -173,10 +170,10 @@ PartReport inspect(const NamedMesh& part, const InspectArguments& arguments, boo
 
 void print(const NamedMesh& part, const PartReport& report) {
   const auto& mesh = report.mesh;
-  fmt::print("  {}: {:.2f} x {:.2f} x {:.2f} mm{}, {} triangles, {}, {}\n", part.name, mesh.size_mm[0], mesh.size_mm[1],
-             mesh.size_mm[2], part.unit.empty() ? "" : fmt::format(" (file in {})", part.unit), mesh.triangles,
-             mesh.watertight ? "watertight" : "open",
-             mesh.shells == 1 ? "1 shell" : fmt::format("{} shells", mesh.shells));
+  fmt::print("  {}: {:.2f} x {:.2f} x {:.2f} mm{}, {}, {}, {}\n", part.name, mesh.size_mm[0], mesh.size_mm[1],
+             mesh.size_mm[2], part.unit.empty() ? "" : fmt::format(" (file in {})", part.unit),
+             counted(mesh.triangles, "triangle"), mesh.watertight ? "watertight" : "open",
+             counted(mesh.shells, "shell"));
   if (mesh.volume_mm3) fmt::print("    volume     {:.6g} cm^3\n", *mesh.volume_mm3 / 1000);
   fmt::print("    symmetry   {}\n", report.symmetry ? text_of(*report.symmetry) : report.symmetry_failure);
   if (report.ambiguous_views) {
@@ -218,9 +215,10 @@ void repair(const NamedMesh& part, const fs::path& file, const InspectArguments&
   if (repair.welded_vertices > 0)
     done.push_back(fmt::format("{} vertices welded within {:.2g} mm", repair.welded_vertices, repair.weld_distance_mm));
   if (repair.removed_degenerate > 0)
-    done.push_back(fmt::format("{} triangles without area removed", repair.removed_degenerate));
+    done.push_back(fmt::format("{} without area removed", counted(repair.removed_degenerate, "triangle")));
   if (repair.removed_duplicates > 0) done.push_back(fmt::format("{} copies removed", repair.removed_duplicates));
-  if (repair.turned_triangles > 0) done.push_back(fmt::format("{} triangles turned outwards", repair.turned_triangles));
+  if (repair.turned_triangles > 0)
+    done.push_back(fmt::format("{} turned outwards", counted(repair.turned_triangles, "triangle")));
   const auto left = inspect_mesh(repair.mesh);
   fmt::print("{}: {}; {}\n", file.string(),
              done.empty() ? "nothing to repair" : fmt::format("{}", fmt::join(done, ", ")),
@@ -303,8 +301,8 @@ void inspect_all(const InspectArguments& arguments, const Common& common) {
   if (arguments.json)
     print_json(all);
   else if (!common.quiet && files.size() > 1)
-    fmt::print("{} files: {} good with {} parts, {} broken\n", files.size(), good_files, good_parts,
-               files.size() - good_files);
+    fmt::print("{}: {} good with {}, {} broken\n", counted(files.size(), "file"), good_files,
+               counted(good_parts, "part"), files.size() - good_files);
 }
 
 }  // namespace

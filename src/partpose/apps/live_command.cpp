@@ -4,13 +4,14 @@
 #include "output.hpp"
 #include "recognition_output.hpp"
 #include "recognizer_choice.hpp"
+#include "scene_reader.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/stopwatch.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/model_files.hpp"
-#include "partpose/io/scene.hpp"
+#include "partpose/io/png.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -100,10 +101,12 @@ void execute(std::vector<std::string> words) {
   throw Error("{}", missing);
 }
 
-/// The depth PNGs of a folder, by name, each once; those that come later as well.
+/// The depth PNGs of a folder, by name, each once; those that come later as well. Pictures among them are left out.
 class DepthFolder {
  public:
   explicit DepthFolder(fs::path folder) : folder_(std::move(folder)) {
+    if (fs::is_regular_file(folder_))
+      throw Error("{}: is a file, not a folder; partpose recognize takes single files", folder_.string());
     if (!fs::is_directory(folder_))
       throw Error(
           "{}: no such source; give a folder of depth PNGs, a recording (.bag, .db3, .oni), realsense, "
@@ -114,14 +117,28 @@ class DepthFolder {
   std::optional<fs::path> next() {
     if (waiting_.empty())
       for (const auto& entry : fs::directory_iterator(folder_))
-        if (entry.path().extension() == ".png" && known_.insert(entry.path()).second) waiting_.insert(entry.path());
+        if (entry.path().extension() == ".png" && known_.insert(entry.path()).second) add(entry.path());
     if (waiting_.empty()) return {};
     return waiting_.extract(waiting_.begin()).value();
   }
 
+  bool has_pictures() const { return has_pictures_; }
+
  private:
+  void add(const fs::path& file) {
+    if (!is_picture_png(file)) {
+      waiting_.insert(file);
+      return;
+    }
+    if (!has_pictures_)
+      complain(fmt::format("{}: is a picture (8-bit or in colours), not a depth image: such files are left out",
+                           file.string()));
+    has_pictures_ = true;
+  }
+
   fs::path folder_;
   std::set<fs::path> known_, waiting_;
+  bool has_pictures_ = false;
 };
 
 /// When the file was written last, by the system's clock.
@@ -162,11 +179,12 @@ struct Live {
   const LiveArguments& arguments;
   const Common& common;
   std::optional<std::ofstream> jsonl = {};
+  SceneReader reader = SceneReader();
   int count = 0, recognized = 0;
 
   void show(const fs::path& file) {
     const double timestamp_s = written_s(file);
-    const Scene scene = read_scene(file);
+    const Scene scene = reader.read(file);
     const Recognition found = named_after(file, [&] { return recognizer.recognize(scene); });
     const Json line = line_of(file, timestamp_s, found);
     if (arguments.json)
@@ -209,10 +227,12 @@ struct Live {
 };
 
 void recognize_folder(const LiveArguments& arguments, const Common& common) {
+  check_file_can_be_written(arguments.jsonl);
   DepthFolder folder(arguments.source);
   std::optional<fs::path> file = folder.next();
   if (!file && !arguments.follow)
-    throw Error("{}: holds no .png; to wait for files to come, give --follow", arguments.source);
+    throw Error("{}: holds no {}; to wait for files to come, give --follow", arguments.source,
+                folder.has_pictures() ? "16-bit depth image" : ".png");
   const auto recognizer = make_recognizer(
       arguments.recognizer,
       catalogue_for(arguments.recognizer, read_parts(arguments.models, {}, common), arguments.cache, common),
@@ -238,12 +258,13 @@ void recognize_folder(const LiveArguments& arguments, const Common& common) {
       ++common.failures;
     }
   }
+  if (live.count == 0) check_not_interrupted();
   accept_signal();
   if (live.jsonl && !*live.jsonl)
     throw Error("{}: could not be written completely: is the disk full?", arguments.jsonl.string());
   if (!common.quiet)
-    fmt::print(stderr, "{} frame{}, {} recognized, {:.1f} frames/s\n", live.count, live.count == 1 ? "" : "s",
-               live.recognized, 1000 * live.count / std::max(since_start.elapsed_ms(), 1e-6));
+    fmt::print(stderr, "{}, {} recognized, {:.1f} frames/s\n", counted(live.count, "frame"), live.recognized,
+               1000 * live.count / std::max(since_start.elapsed_ms(), 1e-6));
 }
 
 }  // namespace
@@ -261,7 +282,8 @@ void add_live_command(CLI::App& app, const Common& common) {
   live->add_option("--cache", arguments->cache,
                    "Where catalogues for --recognizer recognizer are kept (default: ~/.cache/partpose)");
   live->add_flag("--json", arguments->json, "Print one JSON line for each frame");
-  live->add_option("--jsonl", arguments->jsonl, "Append one JSON line for each frame to this file");
+  live->add_option("--jsonl", arguments->jsonl,
+                   "Append one JSON line for each frame to this file (-: standard output, as --json)");
   live->add_option("--frames", arguments->frames, "End after so many frames")->check(CLI::PositiveNumber);
   live->add_flag("--follow", arguments->follow, "Of a folder: wait for files to come");
   live->footer(
@@ -273,6 +295,10 @@ void add_live_command(CLI::App& app, const Common& common) {
       "is\n"
       "the same command. Ctrl-C ends it after the frame at hand, with exit code 0; 130: before the first frame.");
   live->callback([arguments, &common] {
+    if (is_standard_output(arguments->jsonl)) {  // a file of that name is hardly meant
+      arguments->json = true;
+      arguments->jsonl.clear();
+    }
     if (!is_for_python(arguments->source)) return recognize_folder(*arguments, common);
     if (arguments->follow) throw Error("{}: only a folder can be followed", arguments->source);
     become_python(*arguments, common);

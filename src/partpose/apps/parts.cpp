@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parts.hpp"
 
+#include "output.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
@@ -38,9 +39,11 @@ std::vector<NamedMesh> read_parts(const std::vector<std::filesystem::path>& file
     const double diagonal_mm = bounding_box_diagonal(part.mesh);
     if (const std::string guess = guess_unit(diagonal_mm); part.unit.empty() && !guess.empty())
       complain(fmt::format("{}: is {:.4g} mm across; is it in {}? partpose inspect tells more, and converts it",
-                           part.file.string(), diagonal_mm, plural_of_unit(guess)));
-    note(common, fmt::format("{}: {}, {} triangles{}", part.file.string(), part.name, part.mesh.triangles.size(),
-                             part.unit.empty() ? "" : ", file in " + part.unit));
+                           part.file.string(), diagonal_mm,
+                           guess == "inch" ? "inches or centimetres" : plural_of_unit(guess)));
+    note(common,
+         fmt::format("{}: {}, {}{}", part.file.string(), part.name, counted(part.mesh.triangles.size(), "triangle"),
+                     part.unit.empty() ? "" : ", file in " + part.unit));
   }
   return parts;
 }

@@ -23,8 +23,6 @@ std::string text_of(const Eigen::Isometry3d& pose) {
   return text;
 }
 
-void print_pose(const Eigen::Isometry3d& pose) { fmt::print("{}", text_of(pose)); }
-
 namespace {
 
 double rounded(double value) { return std::round(value * 1e6) / 1e6; }

@@ -23,7 +23,6 @@ Json line_of(const std::filesystem::path& scene, const Recognition& recognition,
 /// ", score 0.98, confidence 0.97": what of them is known.
 std::string certainty_text(float score, const Detection* detection);
 std::string text_of(const Eigen::Isometry3d& pose);
-void print_pose(const Eigen::Isometry3d& pose);
 /// The result, its pose, what else it may be, and the frame's other objects.
 void print_for_people(const std::filesystem::path& scene, const Recognition& recognition, const Catalogue& catalogue);
 std::string text_for_people(const std::filesystem::path& scene, const Recognition& recognition,

@@ -4,12 +4,12 @@
 #include "output.hpp"
 #include "recognition_output.hpp"
 #include "recognizer_choice.hpp"
+#include "scene_reader.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/png.hpp"
-#include "partpose/io/scene.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/report/report.hpp"
 
@@ -44,6 +44,10 @@ void recognize_all(RecognizeArguments arguments, const Common& common) {
   if (arguments.json && !arguments.jsonl.empty())
     throw Error("recognize: --json and --jsonl write the same lines; give one of them");
   if (arguments.json) arguments.jsonl = "-";
+  arguments.json = is_standard_output(arguments.jsonl);
+  check_file_can_be_written(arguments.jsonl);
+  check_folder_can_be_written(arguments.output);
+  check_folder_can_be_written(arguments.pictures);
   const ChosenRecognizer chosen = choose_recognizer("recognize", arguments, common);
   const Catalogue& catalogue = chosen.recognizer->catalogue();
   if (arguments.units == "m" && chosen.config.preprocessing.scale_flag)
@@ -56,10 +60,11 @@ void recognize_all(RecognizeArguments arguments, const Common& common) {
   }
   PictureNames picture_names(arguments.pictures);
   if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
+  SceneReader reader({arguments.camera, arguments.units});
   for (const auto& path : arguments.scenes) {
     check_not_interrupted();
     try {
-      const Scene scene = read_scene(path, arguments.units == "m" ? 1000 : 1, arguments.camera);
+      const Scene scene = reader.read(path);
       const Recognition recognition = named_after(path, [&] { return chosen.recognizer->recognize(scene); });
       if (jsonl) *jsonl << json_line(line_of(path, recognition, catalogue)) << std::endl;
       if ((!common.quiet && !arguments.json) || chosen.config.debug.result_to_cout)
@@ -101,7 +106,8 @@ void add_recognize_command(CLI::App& app, const Common& common) {
       ->check(CLI::IsMember({"mm", "m"}))
       ->capture_default_str();
   recognize->add_flag("--json", arguments->json, "Print one JSON line for each scene, and nothing else");
-  recognize->add_option("--jsonl", arguments->jsonl, "Write one JSON line for each scene here (-: standard output)");
+  recognize->add_option("--jsonl", arguments->jsonl,
+                        "Write one JSON line for each scene here (-: standard output, as --json)");
   recognize->add_option("--pictures", arguments->pictures,
                         "Write a picture of each scene with the part drawn over it here");
   recognize->add_option("-o,--output", arguments->output,

@@ -4,6 +4,7 @@
 
 #include "config_keys.hpp"
 #include "interruption.hpp"
+#include "output.hpp"
 #include "terminal.hpp"
 
 #include "partpose/core/error.hpp"
@@ -113,8 +114,8 @@ Catalogue catalogue_for(const std::string& recognizer, const std::vector<NamedMe
   const Unfinished dataset;
   Catalogue catalogue = cached_catalogue(parts, DatasetPreparationConfig{}, Recognizer::catalogue_config(), folder,
                                          terminal_progress(common));
-  note(common, fmt::format("catalogue of {} parts, {} views: {}", catalogue.parts.size(), catalogue.views.size(),
-                           catalogue.dataset.folder.string()));
+  note(common, fmt::format("catalogue of {}, {}: {}", counted(catalogue.parts.size(), "part"),
+                           counted(catalogue.views.size(), "view"), catalogue.dataset.folder.string()));
   return catalogue;
 }
 

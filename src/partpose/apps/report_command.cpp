@@ -37,7 +37,8 @@ void make_report(const ReportArguments& arguments, const Common& common) {
                 {"thinned", summary.thinned},
                 {"left_out", summary.problems}});
   else if (!common.quiet)
-    fmt::print("{}: {} frames, {:.1f} MB{}\n", file.string(), summary.frames, static_cast<double>(summary.bytes) / 1e6,
+    fmt::print("{}: {}, {:.1f} MB{}\n", file.string(), counted(summary.frames, "frame"),
+               static_cast<double>(summary.bytes) / 1e6,
                summary.thinned ? ", points thinned to keep it small (--max-mb)" : "");
 }
 

@@ -109,6 +109,7 @@ void make_scenes(const ScenesArguments& arguments, const Common& common) {
   }
   if (arguments.output.empty()) throw Error("scenes: give the folder to write with --output");
   if (arguments.frames < 1) throw Error("scenes: --frames {}: must be 1 or more", arguments.frames);
+  check_folder_can_be_written(arguments.pictures);
   const Stopwatch watch;
   const auto frames = static_cast<std::size_t>(arguments.frames);
   const auto symmetries_of = [](const TriangleMesh& mesh) {
@@ -122,8 +123,8 @@ void make_scenes(const ScenesArguments& arguments, const Common& common) {
                 {"parts", parts.size()},
                 {"time_s", watch.elapsed_ms() / 1000}});
   else if (!common.quiet)
-    fmt::print("{}: {} frames of {} parts in {:.2f} s\n", arguments.output.string(), frames, parts.size(),
-               watch.elapsed_ms() / 1000);
+    fmt::print("{}: {} of {} in {:.2f} s\n", arguments.output.string(), counted(frames, "frame"),
+               counted(parts.size(), "part"), watch.elapsed_ms() / 1000);
   if (arguments.pictures.empty()) return;
   fs::create_directories(arguments.pictures);
   const SceneGenerator generator(std::move(parts), std::move(unknown), options.scene);

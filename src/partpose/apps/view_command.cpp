@@ -5,9 +5,9 @@
 #include "output.hpp"
 #include "recognition_output.hpp"
 #include "recognizer_choice.hpp"
+#include "scene_reader.hpp"
 
 #include "partpose/core/error.hpp"
-#include "partpose/io/scene.hpp"
 #include "partpose/pipeline/iteration_output.hpp"
 #include "partpose/report/report.hpp"
 
@@ -81,6 +81,7 @@ bool open_page(const fs::path& page) {
 
 /// The report of a scene that is recognized now, or of the frame that an output folder holds.
 fs::path write_page(const ViewArguments& arguments, const Common& common, Json& said) {
+  check_file_can_be_written(arguments.output);
   ReportOptions options;
   options.title = arguments.scene.filename().string();
   if (fs::is_directory(arguments.scene)) {
@@ -96,7 +97,7 @@ fs::path write_page(const ViewArguments& arguments, const Common& common, Json& 
   chosen.config.debug.save_extras_json = chosen.config.debug.save_point_clouds = true;
   if (arguments.units == "m" && chosen.config.preprocessing.scale_flag)
     throw Error("view: --units m and the configuration's preprocessing.scale_flag would both scale the scene");
-  const Scene scene = read_scene(arguments.scene, arguments.units == "m" ? 1000 : 1, arguments.camera);
+  const Scene scene = SceneReader({arguments.camera, arguments.units}).read(arguments.scene);
   const Recognition recognition = named_after(arguments.scene, [&] { return chosen.recognizer->recognize(scene); });
   check_not_interrupted();
   const TemporaryFolder temporary;

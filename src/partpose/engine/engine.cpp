@@ -335,8 +335,10 @@ Recognition Engine::recognize(const PointCloud& cloud) const {
         seen.size(), cloud.size());
     return nothing;
   }
-  Recognition recognition = recognize(to_depth_image(seen, *camera), *camera);
+  const DepthImage depth = to_depth_image(seen, *camera);
+  Recognition recognition = recognize(depth, *camera);
   recognition.num_of_points_input = static_cast<int>(cloud.size());
+  if (recognition.accepted < 0) recognition.reason += hint_of_thinning(depth);
   return recognition;
 }
 
@@ -469,7 +471,8 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   if (targets.empty()) {
     r.reason =
         "nothing that stands out is like any of the parts: another object, too few points, too much noise, or too "
-        "large";
+        "large" +
+        hint_of_unit(depth);
     return r;
   }
   r.detections = impl_->detections(targets);
@@ -477,7 +480,8 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   const Candidate& best = r.candidates[0];
   if (best.score < impl_->options.min_score) {
     r.reason = fmt::format("the best candidate, {}, {}", impl_->catalogue.parts[impl_->part_of(best)].name,
-                           score_below(best.score, impl_->options.min_score));
+                           score_below(best.score, impl_->options.min_score)) +
+               hint_of_unit(depth);
   } else {
     r.accepted = 0;
     const std::string timestamp = r.result.timestamp;

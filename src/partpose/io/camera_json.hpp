@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace partpose {
 
@@ -33,6 +34,10 @@ struct CameraFile {
 
 CameraFile read_camera(const std::filesystem::path& path);
 void write_camera(const std::filesystem::path& path, const CameraFile& camera);
+
+/// For people: what of a camera is hardly ever so (swapped or rescaled principal point, focal lengths in another unit),
+/// a window cut out of an image being ordinary. Empty: nothing.
+std::string doubt_about(const Intrinsics& camera);
 
 /// The camera of `NAME.png`: `NAME.camera.json` beside it, or else `camera.json` in its folder.
 /// Throws Error naming both when neither exists.

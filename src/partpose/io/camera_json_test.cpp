@@ -57,6 +57,33 @@ TEST(CameraJson, SaysWhatIsWrong) {
   EXPECT_CONTAINS(reading("640", "640.5"), "key \"width\": expected a whole number");
 }
 
+TEST(CameraDoubt, OrdinaryCamerasAndWindowsOfThemHaveNone) {
+  EXPECT_EQ(doubt_about({640, 480, 607.2, 607.2, 321.4, 241.9}), "");
+  EXPECT_EQ(doubt_about({512, 424, 365, 365, 254.9, 205.4}), "");
+  EXPECT_EQ(doubt_about({2448, 2048, 5500, 5500, 1223, 1023}), "");
+  EXPECT_EQ(doubt_about({320, 576, 504, 504, 159, 288}), "");
+  for (const double x : {0.35, 0.45, 0.5, 0.6, 0.65})
+    for (const double y : {0.35, 0.45, 0.5, 0.6, 0.65})
+      for (const int height : {360, 480, 512, 640, 800})
+        EXPECT_EQ(doubt_about({640, height, 600, 600, x * 640, y * height}), "") << x << " " << y << " " << height;
+  EXPECT_EQ(doubt_about({100, 80, 600, 600, -200, 150}), "") << "a window beside the principal point";
+  EXPECT_EQ(doubt_about({640, 240, 600, 300, 319.5, 119.5}), "") << "rows averaged two by two";
+}
+
+TEST(CameraDoubt, SaysWhatIsHardlyEverSo) {
+  EXPECT_EQ(doubt_about({640, 480, 615, 615, 239.5, 319.5}),
+            "cx 239.5 and cy 319.5 are the middle of 480 x 640 px, the image is 640 x 480 px: are they swapped?");
+  EXPECT_CONTAINS(doubt_about({848, 480, 425, 425, 238, 426}), "are they swapped?");
+  EXPECT_CONTAINS(doubt_about({512, 424, 365, 365, 206, 257}), "are they swapped?");
+  EXPECT_EQ(doubt_about({640, 360, 920, 920, 643, 361}),
+            "cx 643 and cy 361 are the middle of 1287 x 723 px, the image is 640 x 360 px: are the intrinsics of "
+            "another resolution?");
+  EXPECT_CONTAINS(doubt_about({1280, 960, 615, 615, 319.5, 239.5}), "are the intrinsics of another resolution?");
+  EXPECT_EQ(doubt_about({640, 480, 615, 61.5, 319.5, 239.5}), "fx 615 and fy 61.5 differ more than pixels' sides do");
+  EXPECT_EQ(doubt_about({640, 480, 1.93, 1.93, 319.5, 239.5}),
+            "fx 1.93 px makes a field of view of 179 deg: is it in another unit?");
+}
+
 TEST(CameraFileOf, TheImagesOwnComesFirst) {
   const TempFolder folder;
   const auto image = folder / "frame.v2.png";

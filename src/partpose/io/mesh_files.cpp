@@ -12,6 +12,8 @@
 #include "partpose/io/step.hpp"
 #include "partpose/io/stl.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -57,6 +59,14 @@ void check_usable(const NamedMesh& part) {
   throw Error("{}: none of the {} triangles has an area", where(), part.mesh.triangles.size());
 }
 
+/// What a camera wrote, or a text beside it, by the file's ending; null: it may be a model.
+const char* other_than_a_model(const std::string& ending) {
+  for (const char* image : {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr"})
+    if (ending == image) return "an image";
+  if (ending == ".pcd" || ending == ".xyz") return "a point cloud";
+  return ending == ".json" ? "a JSON file" : nullptr;
+}
+
 }  // namespace
 
 void MeshReadOptions::check() const {
@@ -78,6 +88,9 @@ std::vector<NamedMesh> read_mesh_file(const fs::path& file, const MeshReadOption
   options.check();
   check_is_file(file);
   const std::string ending = lower_case_ending(file);
+  if (const char* kind = other_than_a_model(ending))
+    throw Error("{}: is {}, not a model of a part; depth images and point clouds are scenes, models end with {}",
+                file.string(), kind, fmt::join(mesh_file_endings(), ", "));
   std::vector<NamedMesh> parts;
   if (ending == ".step" || ending == ".stp")
     parts = read_step(file, options);

@@ -77,6 +77,15 @@ TEST(MeshFiles, BrokenFilesAreToldAndLeftOut) {
             "none of the 2 model files can be read");
 }
 
+TEST(MeshFiles, WhatACameraWroteIsNoModel) {
+  const TempFolder folder;
+  const auto reading = [&](const char* name) { return error_of([&] { read_mesh_file(folder.file(name, "x")); }); };
+  EXPECT_CONTAINS(reading("a.PNG"),
+                  "a.PNG: is an image, not a model of a part; depth images and point clouds are scenes");
+  EXPECT_CONTAINS(reading("a.pcd"), "a.pcd: is a point cloud, not a model of a part");
+  EXPECT_CONTAINS(reading("a.json"), "a.json: is a JSON file, not a model of a part");
+}
+
 TEST(MeshFiles, OptionsAreChecked) {
   const TempFolder folder;
   const auto file = folder.file("b.off", off_triangles);

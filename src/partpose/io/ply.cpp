@@ -348,7 +348,10 @@ TriangleMesh read_ply_mesh(const std::filesystem::path& path) {
   TriangleMesh mesh;
   mesh.vertices = read(path, &mesh.triangles).points;
   if (mesh.triangles.empty())
-    throw Error("{}: has no triangles: an element 'face' with a list 'vertex_indices' is needed", path.string());
+    throw Error(
+        "{}: has no triangles, is it a point cloud? Of a model an element 'face' with a list 'vertex_indices' is "
+        "needed",
+        path.string());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     if (!mesh.vertices[i].allFinite())
       throw Error("{}: element 'vertex', {} of {}: a coordinate is not finite", path.string(), i, mesh.vertices.size());

@@ -279,7 +279,7 @@ TEST(PlyMesh, RefusesWhatIsNoMesh) {
   const auto refused = [&](const std::string& from, const std::string& to) {
     return error_of([&] { read_ply_mesh(folder.file("a.ply", replaced(pyramid, from, to))); });
   };
-  EXPECT_CONTAINS(refused("element face 5", "element faces 5"), "has no triangles");
+  EXPECT_CONTAINS(refused("element face 5", "element faces 5"), "has no triangles, is it a point cloud?");
   EXPECT_CONTAINS(refused("3 0 1 4 9", "3 0 1 5 9"), "'5' where one of 5 vertices is expected");
   EXPECT_CONTAINS(refused("3 0 1 4 9", "3 0 -1 4 9"), "'-1' where one of 5 vertices is expected");
   EXPECT_CONTAINS(refused("3 0 1 4 9", "4 0 1 4 9"), "'9' where one of 5 vertices is expected");

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <csetjmp>
 #include <cstring>
+#include <fstream>
 #include <new>
 #include <string>
 #include <type_traits>
@@ -209,6 +210,16 @@ DepthImage read_depth_png(const std::filesystem::path& path, double depth_scale_
   DepthImage depth(reader.width(), reader.height());
   for (std::size_t i = 0; i < units.size(); ++i) depth.z_mm[i] = static_cast<float>(units[i] * depth_scale_mm);
   return depth;
+}
+
+bool is_picture_png(const std::filesystem::path& path) {
+  constexpr std::string_view begin("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
+  constexpr std::size_t bit_depth = 24, colour_type = 25;
+  std::array<char, 26> header = {};
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream.read(header.data(), header.size())) return false;
+  if (std::string_view(header.data(), begin.size()) != begin) return false;
+  return header[bit_depth] != 16 || header[colour_type] != PNG_COLOR_TYPE_GRAY;
 }
 
 void write_depth_png(const std::filesystem::path& path, const DepthImage& depth, double depth_scale_mm) {

@@ -23,6 +23,10 @@ struct ColourImage {
 /// the scale is not positive.
 DepthImage read_depth_png(const std::filesystem::path& path, double depth_scale_mm);
 
+/// Whether a file is a PNG of another kind than depth images: 8-bit or in colours. By its header alone; false for what
+/// is no PNG.
+bool is_picture_png(const std::filesystem::path& path);
+
 /// Depth rounded to the nearest unit of `depth_scale_mm` mm: less than half a unit becomes 0, no value. Error when a
 /// depth is negative, not finite or more than 65535 units, when the image's size or the scale is wrong, or the file
 /// cannot be written.

@@ -243,5 +243,16 @@ TEST(ColourPng, SurvivesDamage) {
                  read_png);
 }
 
+TEST(Png, APictureIsKnownByItsHeader) {
+  const TempFolder folder;
+  write_png(folder / "colour.png", {2, 1, {{1, 2, 3}, {4, 5, 6}}});
+  write_depth_png(folder / "depth.png", DepthImage(2, 1), 1);
+  EXPECT_TRUE(is_picture_png(folder / "colour.png"));
+  EXPECT_FALSE(is_picture_png(folder / "depth.png"));
+  EXPECT_FALSE(is_picture_png(folder.file("text.png", "this is no picture, though it is longer than a header")));
+  EXPECT_FALSE(is_picture_png(folder.file("cut.png", content(folder / "colour.png").substr(0, 20))));
+  EXPECT_FALSE(is_picture_png(folder / "none.png"));
+}
+
 }  // namespace
 }  // namespace partpose

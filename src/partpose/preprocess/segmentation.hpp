@@ -45,4 +45,12 @@ std::vector<Segment> segment(const DepthImage& depth, const Intrinsics& camera, 
 /// For people: nothing of a frame may be an object, perhaps since it is empty or in another unit.
 std::string why_nothing_stands_out(const DepthImage& depth);
 
+/// For people, of a frame in which nothing was recognized: "; it is nearer or farther than ...: is it in another
+/// unit?", or empty.
+std::string hint_of_unit(const DepthImage& depth);
+
+/// For people, of a cloud in which nothing was recognized, put into a camera's pixels: "; it seems to be thinned ...",
+/// or empty where few of them are empty.
+std::string hint_of_thinning(const DepthImage& cloud_in_pixels);
+
 }  // namespace partpose

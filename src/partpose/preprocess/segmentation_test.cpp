@@ -147,8 +147,23 @@ TEST(WhyNothingStandsOut, NamesAnEmptyImageAndAnotherUnit) {
     return why_nothing_stands_out(depth);
   };
   EXPECT_TRUE(shapes::mentions(all_at(0.6f), "less than 0.6 mm away: is it in metres?"));
+  EXPECT_TRUE(shapes::mentions(all_at(60), "less than 60 mm away: is it in another unit than stated?"));
+  EXPECT_TRUE(shapes::mentions(all_at(6'000), "more than 6 m away"));
   EXPECT_TRUE(shapes::mentions(all_at(600'000), "more than 600 m away"));
   EXPECT_FALSE(shapes::mentions(all_at(600), "away"));
+}
+
+TEST(HintOfThinning, OfEverySecondPoint) {
+  DepthImage depth(40, 40);
+  for (int v = 5; v < 35; ++v)
+    for (int u = 5; u < 35; ++u) depth.at(u, v) = 600;
+  EXPECT_EQ(hint_of_thinning(depth), "");
+  for (int i = 0; i < 1600; ++i)
+    if (i % 9 == 0) depth.z_mm[i] = 0;  // what a camera does not measure
+  EXPECT_EQ(hint_of_thinning(depth), "");
+  for (int i = 0; i < 1600; ++i)
+    if (i % 2 == 0) depth.z_mm[i] = 0;
+  EXPECT_TRUE(shapes::mentions(hint_of_thinning(depth), "the cloud seems to be thinned: give all points"));
 }
 
 TEST(AngularSpacing, IsThePixelOfTheCamera) {
