@@ -348,6 +348,7 @@ void Engine::Impl::examine(Target& target, const ShortlistOptions& options, Stag
 }
 
 void Engine::Impl::examine(Target& target, std::vector<Hypothesis> hypotheses, bool one_part, StageTimes& time) const {
+  if (hypotheses.empty()) return;
   time("refine_1", [&] {
     refine(hypotheses, model_of, target.view, target.view.few, 6);
     std::size_t kept = std::max<std::size_t>(24, hypotheses.size() / 4);
