@@ -5,7 +5,9 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
 
 namespace partpose {
 
@@ -18,9 +20,14 @@ void parallel_ranges(std::size_t count, const std::function<void(std::size_t, st
   }
   // Isolated: who waits for the end of an inner loop takes no other work of an outer one meanwhile, so that the times
   // of frames that are recognized side by side are their own.
+  // With its own context: an exception in another iteration of the outer loop would else end this one too, and its
+  // caller would go on with what is half computed.
+  tbb::task_group_context own(tbb::task_group_context::isolated);
   tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, smallest_range),
-                      [&body](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, count, smallest_range),
+        [&body](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); },
+        tbb::auto_partitioner(), own);
   });
 }
 

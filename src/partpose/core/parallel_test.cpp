@@ -4,6 +4,7 @@
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/random.hpp"
+#include "partpose/core/stopwatch.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,6 +50,32 @@ TEST(Parallel, RangesAreDisjointAndCover) {
     covered = end;
   }
   EXPECT_EQ(covered, 12345);
+}
+
+TEST(Parallel, AnInnerLoopIsCompleteAlsoWhereAnotherIterationFails) {
+  const ThreadLimit limit(2);
+  std::atomic<bool> started = false, failed = false;
+  std::atomic<int> incomplete = 0, after_failure = 0;
+  EXPECT_THROW(parallel_for(2,
+                            [&](std::size_t i) {
+                              const Stopwatch watch;
+                              constexpr double longest_ms = 2000;
+                              if (i == 1) {
+                                while (!started && watch.elapsed_ms() < longest_ms) std::this_thread::yield();
+                                failed = true;
+                                throw Error("no space left");
+                              }
+                              started = true;
+                              // Some loops longer, until the failure has come to all.
+                              while (after_failure < 300 && watch.elapsed_ms() < longest_ms) {
+                                after_failure += failed;
+                                std::atomic<int> calls = 0;
+                                parallel_for(100, [&](std::size_t) { ++calls; });
+                                incomplete += calls != 100;
+                              }
+                            }),
+               Error);
+  EXPECT_EQ(incomplete, 0);
 }
 
 TEST(Parallel, SameResultForAnyNumberOfThreads) {
