@@ -239,7 +239,8 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
     return frame_.depth.z_mm[p] < model_z - edge_mm && !is_table(p);
   };
 
-  constexpr float outline_weight = 0.25f, nothing_weight = 0.5f;
+  // Of what lies so low that it was taken for the table the camera's waves decide whether it agrees.
+  constexpr float outline_weight = 0.25f, nothing_weight = 0.5f, low_weight = 0.6f, low_agreement = 0.5f;
   const auto log_outline = static_cast<float>(std::log(0.5));
   const Outline outline(sensor);
   const std::vector<Beside> beside = beside_part(rendered, std::min(reach, Outline::most));
@@ -283,8 +284,8 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
           const float t_part = (model_z - measured_z) / noise_mm;
           const float t_table = frame_.before_table_mm.empty() ? 0 : frame_.before_table_mm[p] / noise_mm;
           const float gain = 0.5f * (std::min(t_table * t_table, 16.0f) - t_part * t_part);
-          soft += 0.7f * agreement(0.5f * std::abs(model_z - measured_z));
-          judged += 1;
+          soft += low_agreement * agreement(0.5f * std::abs(model_z - measured_z));
+          judged += low_weight;
           log_likelihood += std::clamp(gain, log_outlier, 3.0f);
         } else if (std::isfinite(near) && !(measured && hides(model_z, p))) {
           ++out.model_outline;

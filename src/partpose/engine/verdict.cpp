@@ -27,8 +27,8 @@ double height_of(const PartInFrame& part) {
 /// A part neither hangs in the air nor sinks into the table.
 double height_log_odds(const Explanation& e) {
   constexpr double highest = 0.3, most_deviations = 10;
-  return -22.27 * std::clamp(e.height, 0.0, highest) - 0.58 * std::clamp(e.height_deviations, 0.0, most_deviations) -
-         19.87 * std::clamp(-e.height, 0.0, highest);
+  return -8.48 * std::clamp(e.height, 0.0, highest) - 0.56 * std::clamp(e.height_deviations, 0.0, most_deviations) -
+         22.54 * std::clamp(-e.height, 0.0, highest);
 }
 
 double share(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
@@ -69,10 +69,10 @@ double probability_of_part(const Explanation& e) {
   if (e.explained_pixels == 0) return 0;
   constexpr double least_noise = 0.008, least_relief = 0.5;
   const double roughness = std::clamp(e.roughness, 0.2, 9.0);
-  const double logit = -5.99 - 1.91 * std::log(1.02 - e.agreement) - 1.86 * e.deviation - 0.96 * std::log(roughness) -
-                       9.64 * std::sqrt(e.unexplained) - 40.37 * e.free_space - 16.06 * e.not_measured -
-                       9.49 * e.beside - 1.91 * std::log(std::max(e.noise, least_noise)) +
-                       0.93 * std::log(std::max(e.relief, least_relief)) + height_log_odds(e);
+  const double logit = -3.15 - 1.12 * std::log(1.02 - e.agreement) - 1.95 * e.deviation - 1.09 * std::log(roughness) -
+                       10.67 * std::sqrt(e.unexplained) - 47.2 * e.free_space - 12.07 * e.not_measured -
+                       5.16 * e.beside - 1.52 * std::log(std::max(e.noise, least_noise)) +
+                       1.1 * std::log(std::max(e.relief, least_relief)) + height_log_odds(e);
   return 1 / (1 + std::exp(-logit));
 }
 
