@@ -40,17 +40,23 @@ FEATURES = {
     "1": lambda e: 1.0,
     "log(1.02 - agreement)": lambda e: math.log(1.02 - e["agreement"]),
     "deviation": lambda e: e["deviation"],
-    "log(clamp(roughness, 0.2, 9))": lambda e: math.log(min(max(e["roughness"], 0.2), 9)),
+    "log(clamp(roughness, 0.2, 3))": lambda e: math.log(min(max(e["roughness"], 0.2), 3)),
     "sqrt(unexplained)": lambda e: math.sqrt(e["unexplained"]),
-    "free_space": lambda e: e["free_space"],
+    "min(free_space, 0.1) * log(1.02 - agreement)":
+        lambda e: min(e["free_space"], 0.1) * math.log(1.02 - e["agreement"]),
     "not_measured": lambda e: e["not_measured"],
-    "beside": lambda e: e["beside"],
+    "beside * log(min(max(explained_pixels, 30) / 2000, 1))":
+        lambda e: e["beside"] * math.log(min(max(e["explained_pixels"], 30) / 2000, 1)),
     "log(max(noise, 0.008))": lambda e: math.log(max(e["noise"], 0.008)),
     "log(max(relief, 0.5))": lambda e: math.log(max(e["relief"], 0.5)),
-    "clamp(height, 0, 0.3)": lambda e: min(max(e["height"], 0), 0.3),
-    "clamp(height_deviations, 0, 10)": lambda e: min(max(e["height_deviations"], 0), 10),
-    "clamp(-height, 0, 0.3)": lambda e: min(max(-e["height"], 0), 0.3),
 }
+
+
+def given(e):
+    """Of log-odds, what is not fitted, since tuning frames hardly show it."""
+    height, deviations = e["height"], e["height_deviations"]
+    return (-22.27 * min(max(height, 0), 0.3) - 0.58 * min(max(deviations, 0), 10) - 19.87 * min(max(-height, 0), 0.3)
+            - 30 * max(e["beside"] - 0.25, 0))
 
 
 def experiments(output, data, made):
@@ -83,7 +89,7 @@ def experiments(output, data, made):
     found["touching"] = (shipped(SHIPPED), touching, 1)
     found["touching_b"] = (public(PUBLIC["b"]), touching, 1)
     # The real ones are few, and they are what it is for.
-    found["cranfield"] = ([str(data / "cranfield/models")], captured("cranfield", ["object_only", "with_table"]), 4)
+    found["cranfield"] = ([str(data / "cranfield/models")], captured("cranfield", ["object_only", "with_table"]), 8)
     found["cube"] = ([str(data / "cube/models")], captured("cube", ["full_frame", "instance"]), 4)
     for i, protocol in enumerate(found["cranfield"][1] + found["cube"][1]):
         protocol["name"] += f" {i}"
@@ -112,12 +118,16 @@ def detections(folder):
                 yield found["explanation"], found["part_right"] or found["right"], truth
 
 
-def fitted(x, y, weight, strength=0.03):
+def probability(x, offset, constants):
+    return 1 / (1 + np.exp(-np.clip(x @ constants + offset, -30, 30)))
+
+
+def fitted(x, y, weight, offset, strength=0.03):
     """Constants of a logistic regression by Newton's method, with a weak pull towards 0 in standard deviations."""
     pull = strength * x.std(axis=0) ** 2
     w = np.zeros(x.shape[1])
     for _ in range(30):
-        p = 1 / (1 + np.exp(-np.clip(x @ w, -30, 30)))
+        p = probability(x, offset, w)
         gradient = x.T @ (weight * (p - y)) + pull * w
         hessian = (x * (weight * p * (1 - p))[:, None]).T @ x + np.diag(pull + 1e-9)
         w -= np.linalg.solve(hessian, gradient)
@@ -134,27 +144,28 @@ def main():
     output = arguments.output.resolve()
     output.mkdir(parents=True, exist_ok=True)
 
-    rows = []   # features, right, weight, experiment, part shown
+    rows = []   # features, right, weight, given, experiment, part shown
     for name, (parts, protocols, weight) in experiments(output, arguments.data.resolve(), arguments.made.resolve()).items():
         run(output, name, parts, protocols, arguments.partpose)
         for explanation, right, truth in detections(output / name):
-            rows.append(([f(explanation) for f in FEATURES.values()], right, weight, name, truth))
-    x, y, weight = (np.array([row[i] for row in rows], float) for i in range(3))
+            rows.append(([f(explanation) for f in FEATURES.values()], right, weight, given(explanation), name, truth))
+    x, y, weight, offset = (np.array([row[i] for row in rows], float) for i in range(4))
 
     held_out = np.zeros(len(y))
-    truths = sorted({row[4] for row in rows})
-    fold = np.array([truths.index(row[4]) % 6 for row in rows])
+    truths = sorted({row[5] for row in rows})
+    fold = np.array([truths.index(row[5]) % 6 for row in rows])
     for k in range(6):
-        w = fitted(x[fold != k], y[fold != k], weight[fold != k])
-        held_out[fold == k] = 1 / (1 + np.exp(-x[fold == k] @ w))
+        others, of_fold = fold != k, fold == k
+        w = fitted(x[others], y[others], weight[others], offset[others])
+        held_out[of_fold] = probability(x[of_fold], offset[of_fold], w)
     print(f"{'experiment':16} right  refused  wrong  accepted: by constants fitted to other parts")
-    for name in dict.fromkeys(row[3] for row in rows):
-        of = np.array([row[3] == name for row in rows])
+    for name in dict.fromkeys(row[4] for row in rows):
+        of = np.array([row[4] == name for row in rows])
         right = of & (y == 1)
         wrong = of & (y == 0)
         print(f"{name:16} {right.sum():5} {(held_out[right] < 0.5).sum():8} {wrong.sum():6} {(held_out[wrong] >= 0.5).sum():9}")
     print()
-    for name, constant in zip(FEATURES, fitted(x, y, weight)):
+    for name, constant in zip(FEATURES, fitted(x, y, weight, offset)):
         print(f"{constant:8.2f} {name}")
 
 

@@ -355,15 +355,23 @@ class Separation {
       largest_mm_ = std::max(largest_mm_, model->diameter_mm);
       smallest_mm_ = std::min(smallest_mm_, model->diameter_mm);
     }
+  }
+
+  /// Searches what is left until nothing good is found.
+  std::vector<SeparatedPart> search() && {
     constexpr int most_rounds = 6;
     for (int k = 0; k < most_rounds && next_label_ < last_label && round(); ++k) {
     }
-    const std::vector<bool> doubtful = which_are_doubtful();
-    share_rest();
-    drop(doubtful);
+    return std::move(*this).sure_parts();
   }
 
-  std::vector<SeparatedPart> parts;
+  /// Only those hypotheses that are good.
+  std::vector<SeparatedPart> those_of(std::span<const Hypothesis> hypotheses) && {
+    const FrameObject rest = all_of(frame_, labels_);
+    set_noise(ObjectView(frame_, rest));
+    accept(trials_of(hypotheses, rest), rest);
+    return std::move(*this).sure_parts();
+  }
 
  private:
   struct Trial {
@@ -389,16 +397,12 @@ class Separation {
     const ObjectView view(frame_, rest);
     const double smallest_px = smallest_mm_ * frame_.camera.fx / view.all.centre_mm().z();
     if (rest.pixels < least_share * smallest_px * smallest_px) return false;
-    noise_per_mm2_ = view.noise_mm / std::pow(view.all.centre_mm().z(), 2);
+    set_noise(view);
     // About four places on each part, if all are as small as the smallest.
     constexpr double share_of_place = 0.07;  // of the square of the diameter
     const int places = std::clamp(static_cast<int>(rest.pixels / (share_of_place * smallest_px * smallest_px)), 8, 32);
-    auto hypotheses = anchored_hypotheses(models_, frame_, rest, {.most_seeds = places, .every_part = true});
-    std::vector<Trial> trials(hypotheses.size());
-    parallel_for(trials.size(), [&](std::size_t i) {
-      trials[i].hypothesis = hypotheses[i];
-      compare(trials[i], rest);
-    });
+    std::vector<Trial> trials =
+        trials_of(anchored_hypotheses(models_, frame_, rest, {.most_seeds = places, .every_part = true}), rest);
     if (accept(trials, rest)) return true;
     // What lies before a part and is not explained may be another one that hides it. So it may before a wrong pose
     // beneath the surface: only where nothing else is left to be found.
@@ -410,6 +414,17 @@ class Separation {
     });
     return accept(std::move(trials), rest);
   }
+
+  std::vector<Trial> trials_of(std::span<const Hypothesis> hypotheses, const FrameObject& rest) const {
+    std::vector<Trial> trials(hypotheses.size());
+    parallel_for(trials.size(), [&](std::size_t i) {
+      trials[i].hypothesis = hypotheses[i];
+      compare(trials[i], rest);
+    });
+    return trials;
+  }
+
+  void set_noise(const ObjectView& view) { noise_per_mm2_ = view.noise_mm / std::pow(view.all.centre_mm().z(), 2); }
 
   /// Takes away one after the other those that are good, those that explain most first. Whether there are any.
   bool accept(std::vector<Trial> trials, const FrameObject& rest) {
@@ -434,7 +449,7 @@ class Separation {
           part.hypotheses.push_back(other.hypothesis);
       }
       claim(best.hypothesis);
-      parts.push_back(std::move(part));
+      parts_.push_back(std::move(part));
       // Those that may share pixels with it.
       const double reach_mm = models_[best.hypothesis.part]->diameter_mm;
       parallel_for(trials.size(), [&](std::size_t i) {
@@ -577,7 +592,7 @@ class Separation {
     if (sinks_into_table(frame_, *models_[h.part], h.camera_from_model, tolerances * tolerance_mm(h))) return false;
     const auto height_mm = height_above_table_mm(frame_, *models_[h.part], h.camera_from_model);
     if (!height_mm || *height_mm < tolerances * tolerance_mm(h)) return true;
-    return std::any_of(parts.begin(), parts.end(), [&](const SeparatedPart& part) {
+    return std::any_of(parts_.begin(), parts_.end(), [&](const SeparatedPart& part) {
       const Hypothesis& other = part.hypotheses[0];
       return touches(*models_[h.part], h.camera_from_model, *models_[other.part], other.camera_from_model,
                      tolerances * tolerance_mm(other));
@@ -588,8 +603,8 @@ class Separation {
   void share_rest() {
     FrameObject rest;
     rest.labels = labels_;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      const Hypothesis& h = parts[i].hypotheses[0];
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const Hypothesis& h = parts_[i].hypotheses[0];
       const PartModel& model = *models_[h.part];
       const PartWindow window = window_of(frame_, rest, model, h.camera_from_model, 0, far_beyond_px + 1);
       const DepthImage rendered =
@@ -602,10 +617,10 @@ class Separation {
             frame_.label[static_cast<std::size_t>(window.v0 + v) * frame_.depth->width + window.u0 + u] =
                 static_cast<std::uint8_t>(first_label_ + i);
     }
-    for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
       std::bitset<256> own;
       own.set(first_label_ + i);
-      parts[i].object = all_of(frame_, own);
+      parts_[i].object = all_of(frame_, own);
     }
   }
 
@@ -619,13 +634,13 @@ class Separation {
     rest.labels = labels_;
     std::array<int, 256> explained = explained_, count{};
     for (const int piece : piece_) ++count[piece];
-    std::vector<bool> doubtful(parts.size(), false);
+    std::vector<bool> doubtful(parts_.size(), false);
     for (bool changed = true; changed;) {
       changed = false;
-      for (std::size_t i = 0; i < parts.size(); ++i) {
+      for (std::size_t i = 0; i < parts_.size(); ++i) {
         const int piece = piece_[i];
         if (doubtful[i] ||
-            !is_doubtful(parts[i].hypotheses[0], rest, static_cast<double>(explained[piece]) / pixels_[piece],
+            !is_doubtful(parts_[i].hypotheses[0], rest, static_cast<double>(explained[piece]) / pixels_[piece],
                          large.test(piece), count[piece] == 1))
           continue;
         doubtful[i] = changed = true;
@@ -652,19 +667,20 @@ class Separation {
            share(now.covered, now.comparison.model) > most_covered;
   }
 
-  void drop(const std::vector<bool>& doubtful) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (doubtful[i]) continue;
-      if (kept != i) parts[kept] = std::move(parts[i]);
-      ++kept;
-    }
-    parts.resize(kept);
+  /// With their pixels, but for those in doubt.
+  std::vector<SeparatedPart> sure_parts() && {
+    const std::vector<bool> doubtful = which_are_doubtful();
+    share_rest();
+    std::vector<SeparatedPart> sure;
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+      if (!doubtful[i]) sure.push_back(std::move(parts_[i]));
+    return sure;
   }
 
   std::span<const PartModel* const> models_;
   FramePieces& frame_;
   std::bitset<256> labels_;
+  std::vector<SeparatedPart> parts_;
   int first_label_ = 0, next_label_ = FramePieces::first_piece;
   std::array<int, 256> pixels_{}, explained_{};  ///< by the label of a piece
   std::vector<int> piece_;                       ///< of each part: the label that most of its pixels had
@@ -756,7 +772,12 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
 
 std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,
                                     const std::bitset<256>& unexplained) {
-  return std::move(Separation(models, frame, unexplained).parts);
+  return Separation(models, frame, unexplained).search();
+}
+
+std::vector<SeparatedPart> separate_known(std::span<const PartModel* const> models, FramePieces& frame,
+                                          const std::bitset<256>& unexplained, std::span<const Hypothesis> known) {
+  return Separation(models, frame, unexplained).those_of(known);
 }
 
 }  // namespace partpose

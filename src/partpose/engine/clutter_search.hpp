@@ -24,6 +24,10 @@ struct SeparatedPart {
 std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,
                                     const std::bitset<256>& unexplained);
 
+/// The same for known hypotheses alone: of what is no part lies beside a part, so that the whole is like none.
+std::vector<SeparatedPart> separate_known(std::span<const PartModel* const> models, FramePieces& frame,
+                                          const std::bitset<256>& unexplained, std::span<const Hypothesis> known);
+
 struct AnchoredSearch {
   int most_seeds = 8;       ///< places on the surface
   bool every_part = false;  ///< every part keeps its best at each place, however much others explain there

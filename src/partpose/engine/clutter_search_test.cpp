@@ -111,6 +111,44 @@ TEST_F(ClutterSearchTest, FindsAPartBeneathSomethingUnknownThatTouchesIt) {
   EXPECT_NE(found_near(r, 0, bracket, second), nullptr);
 }
 
+TEST_F(ClutterSearchTest, OfAPartWithSomethingBesideItTakesItsOwnPixels) {
+  Random random(13);
+  const TriangleMesh bracket = shapes::l_bracket();
+  const Eigen::Isometry3d pose = bracket_at(bracket, 0, 0, 20);
+  // A ball lies at the end of the bracket's longer leg.
+  const Eigen::AlignedBox3d box = bounding_box(bracket);
+  Eigen::Vector3d middle = pose * Eigen::Vector3d(box.max().x() + 13, box.min().y() + 6, 0);
+  middle.z() = 14;
+  const TriangleMesh ball = shapes::moved(shapes::sphere(14, 40, 20), Eigen::Isometry3d(Eigen::Translation3d(middle)));
+  const TriangleMesh scene = shapes::joined(shapes::joined(table, shapes::moved(bracket, pose)), ball);
+  const DepthImage depth = measured(scene, random);
+  const PartModel model(bracket);
+  const PartModel* const models[] = {&model};
+  FramePiecesOptions options;
+  options.largest_part_mm = options.smallest_part_mm = static_cast<float>(model.diameter_mm);
+  const auto taken = [&](const Eigen::Vector3d& off_mm) {
+    FramePieces frame = split_frame(depth, camera, options);
+    Hypothesis known;
+    known.part = 0;
+    known.camera_from_model = Eigen::Translation3d(off_mm) * camera_from_table() * pose;
+    std::bitset<256> labels;
+    for (const auto& object : frame.objects) labels |= object.labels;
+    const int pixels = static_cast<int>(
+        std::count_if(frame.label.begin(), frame.label.end(), [&](std::uint8_t label) { return labels.test(label); }));
+    const auto parts = separate_known(models, frame, labels, {&known, 1});
+    return parts.empty() ? 0.0 : static_cast<double>(parts[0].object.pixels) / pixels;
+  };
+  const auto visible = [&](const TriangleMesh& mesh) {
+    const DepthImage alone = render(mesh, camera_from_table(), camera).depth;
+    return static_cast<double>(std::count_if(alone.z_mm.begin(), alone.z_mm.end(), [](float z) { return z > 0; }));
+  };
+  const double own = visible(shapes::moved(bracket, pose));
+  const double share = own / (own + visible(ball));
+  ASSERT_LT(share, 0.92);
+  EXPECT_NEAR(taken({0.3, 0, 0}), share, 0.05);
+  EXPECT_EQ(taken({40, 0, 0}), 0);
+}
+
 TEST_F(ClutterSearchTest, FindsAPartOfWhichAPlateHidesMuch) {
   Random random(7);
   const TriangleMesh bracket = shapes::l_bracket();

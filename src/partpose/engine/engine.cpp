@@ -91,6 +91,11 @@ double noise_left(const std::vector<Target>& targets) {
   return *middle;
 }
 
+/// A frame no larger than a part may be one: then its pieces are the part's, and nothing else is in it.
+bool may_be_one_part(const FramePieces& frame) {
+  return std::any_of(frame.objects.begin(), frame.objects.end(), [](const FrameObject& o) { return o.whole_frame; });
+}
+
 /// Labels of the frame's pieces that a part explains, well or not.
 struct ExplainedLabels {
   std::bitset<256> well, weakly;
@@ -179,10 +184,15 @@ struct Engine::Impl {
   /// Looks more closely at what is weakly explained. The parts that it finds become targets, which refer to them.
   std::vector<SeparatedPart> search_closely(std::vector<Target>& targets, FramePieces& frame, ExplainedLabels& labels,
                                             StageTimes& time) const;
-  /// Of parts found one by one in what is weakly explained: adds them to the targets, or to the target that each is all
-  /// of, and drops targets that explain less than they.
-  void add_separated(std::vector<Target>& targets, const FramePieces& frame, const std::vector<SeparatedPart>& parts,
-                     StageTimes& time) const;
+  /// What lies beside a part and is none may be all that speaks against it: the candidates of what is weakly explained
+  /// that are sure where nothing but their own pixels counts. They become targets, which refer to them.
+  std::vector<SeparatedPart> look_at_own_pixels(std::vector<Target>& targets, FramePieces& frame,
+                                                ExplainedLabels& labels, StageTimes& time) const;
+  /// Of parts found one by one in what is weakly explained.
+  std::vector<Target> targets_of(const FramePieces& frame, const std::vector<SeparatedPart>& parts,
+                                 StageTimes& time) const;
+  /// Adds them to the targets, and drops those of the same pixels that explain less than they.
+  void add_separated(std::vector<Target>& targets, std::vector<Target> separated) const;
   /// Whether a closer look may find a part, or another one. `beside_another`: of which the part is known.
   bool is_worth_a_search(const Target& target, bool beside_another) const;
   /// The models for a search that looks at every part; of a large catalogue only those heard, null for the others.
@@ -224,6 +234,7 @@ struct Engine::Impl {
     return out;
   }
   Candidate candidate_of(const Hypothesis& hypothesis, int id) const;
+  Hypothesis hypothesis_of(const Candidate& candidate) const;
   std::vector<Detection> detections(const std::vector<Target>& targets) const;
   int part_of(const Candidate& candidate) const { return catalogue.views[candidate.view_row].part; }
 };
@@ -406,13 +417,10 @@ std::vector<Target> Engine::Impl::examine_all(const FramePieces& frame, Explaine
 
 std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& targets, FramePieces& frame,
                                                         ExplainedLabels& labels, StageTimes& time) const {
-  // A frame no larger than a part may be one: then its pieces are the part's, and nothing else is in it.
-  const bool may_be_one_part =
-      std::any_of(frame.objects.begin(), frame.objects.end(), [](const FrameObject& o) { return o.whole_frame; });
   std::set<int> heard;  // of what is weakly explained
   for (auto& target : targets) {
     const FrameObject& object = *target.view.object;
-    if (!is_worth_a_search(target, labels.well.any()) || may_be_one_part || (object.labels & labels.well).any())
+    if (!is_worth_a_search(target, labels.well.any()) || may_be_one_part(frame) || (object.labels & labels.well).any())
       continue;
     if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
     auto hypotheses =
@@ -427,11 +435,50 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
     if ((target.view.object->labels & labels.weakly).any()) heard.insert(target.heard.begin(), target.heard.end());
   std::erase_if(targets, [](const Target& target) { return target.candidates.empty(); });
   const std::bitset<256> unexplained = labels.weakly & ~labels.well;
-  if (unexplained.none() || may_be_one_part) return {};
+  if (unexplained.none() || may_be_one_part(frame)) return {};
   if (frame.shadow_of.empty()) time("separation", [&] { find_shadows(frame); });
   std::vector<SeparatedPart> parts =
       time("separation", [&] { return separate(models_to_search(heard), frame, unexplained); });
-  add_separated(targets, frame, parts, time);
+  add_separated(targets, targets_of(frame, parts, time));
+  return parts;
+}
+
+std::vector<SeparatedPart> Engine::Impl::look_at_own_pixels(std::vector<Target>& targets, FramePieces& frame,
+                                                            ExplainedLabels& labels, StageTimes& time) const {
+  constexpr std::size_t most_of_each = 3;
+  if (may_be_one_part(frame)) return {};
+  std::bitset<256> weak;
+  std::vector<Hypothesis> known;
+  for (const auto& target : targets) {
+    const auto& candidates = target.candidates;
+    if (candidates.empty() || !is_worth_a_search(target, labels.well.any()) ||
+        (target.view.object->labels & labels.well).any())
+      continue;
+    weak |= target.view.object->labels;
+    for (std::size_t i = 0; i < std::min(candidates.size(), most_of_each); ++i)
+      known.push_back(hypothesis_of(candidates[i]));
+  }
+  if (known.empty()) return {};
+  const auto label = frame.label;
+  const auto objects = frame.objects;
+  std::vector<SeparatedPart> parts =
+      time("separation", [&] { return separate_known(model_of, frame, weak & ~labels.well, known); });
+  std::vector<Target> found = targets_of(frame, parts, time);
+  // What is left is too little to be another part.
+  constexpr double most_left = 0.35;  // of the pixels found
+  double found_pixels = 0;
+  for (const auto& target : found) found_pixels += target.view.object->pixels;
+  const bool is_all = !found.empty() && std::count_if(frame.label.begin(), frame.label.end(), [&](std::uint8_t l) {
+                                          return weak.test(l) && !labels.well.test(l);
+                                        }) < most_left * found_pixels;
+  if (!is_all || std::any_of(found.begin(), found.end(), [](const auto& target) { return target.is_weak(); })) {
+    frame.label = label;
+    frame.objects = objects;
+    return {};
+  }
+  for (const auto& target : found)
+    if (target.best_score > Target::strong) labels.well |= target.view.object->labels;
+  add_separated(targets, std::move(found));
   return parts;
 }
 
@@ -447,6 +494,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
   }
   ExplainedLabels labels;
   std::vector<Target> targets = impl_->examine_all(frame, labels, time);
+  const auto sure = impl_->look_at_own_pixels(targets, frame, labels, time);
   const auto separated = impl_->search_closely(targets, frame, labels, time);
   const auto by_evidence = [](const Target& a, const Target& b) { return a.evidence() > b.evidence(); };
   // Objects that a part hardly explains need no closer look, but for the most promising ones.
@@ -510,11 +558,9 @@ std::vector<const PartModel*> Engine::Impl::models_to_search(const std::set<int>
   return out;
 }
 
-void Engine::Impl::add_separated(std::vector<Target>& targets, const FramePieces& frame,
-                                 const std::vector<SeparatedPart>& parts, StageTimes& time) const {
-  std::vector<Target> added;
-  double explained = 0;
-  std::bitset<256> labels;
+std::vector<Target> Engine::Impl::targets_of(const FramePieces& frame, const std::vector<SeparatedPart>& parts,
+                                             StageTimes& time) const {
+  std::vector<Target> targets;
   // Of several poses for the same pixels the likeliest may be one that nothing holds.
   const auto hangs = [&](const Candidate& candidate, const SeparatedPart& found) {
     const PartModel& model = *models[part_of(candidate)];
@@ -532,14 +578,22 @@ void Engine::Impl::add_separated(std::vector<Target>& targets, const FramePieces
     time("verify", [&] { verify(target, part.hypotheses, false); });
     if (target.candidates.empty() || hangs(target.candidates[0], part)) continue;
     reconsider(target, time);
+    targets.push_back(std::move(target));
+  }
+  return targets;
+}
+
+void Engine::Impl::add_separated(std::vector<Target>& targets, std::vector<Target> separated) const {
+  double explained = 0;
+  std::bitset<256> labels;
+  for (const auto& target : separated) {
     explained += target.explained();
-    labels |= part.object.labels;
-    added.push_back(std::move(target));
+    labels |= target.view.object->labels;
   }
   std::erase_if(targets, [&](const Target& target) {
     return (target.view.object->labels & labels).any() && target.explained() < explained;
   });
-  std::move(added.begin(), added.end(), std::back_inserter(targets));
+  std::move(separated.begin(), separated.end(), std::back_inserter(targets));
 }
 
 /// The best candidate of each object, those that share pixels with a likelier one left out.
@@ -586,6 +640,15 @@ Candidate Engine::Impl::candidate_of(const Hypothesis& h, int id) const {
   candidate.T4 = h.camera_from_model * h.start.inverse();
   candidate.camera_from_model = h.camera_from_model;
   return candidate;
+}
+
+Hypothesis Engine::Impl::hypothesis_of(const Candidate& candidate) const {
+  Hypothesis h;
+  h.part = part_of(candidate);
+  h.template_cost = candidate.match_distance;
+  h.start = candidate.T4.inverse() * candidate.camera_from_model;
+  h.camera_from_model = candidate.camera_from_model;
+  return h;
 }
 
 void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bool one_part) const {

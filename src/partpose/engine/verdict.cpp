@@ -27,8 +27,8 @@ double height_of(const PartInFrame& part) {
 /// A part neither hangs in the air nor sinks into the table.
 double height_log_odds(const Explanation& e) {
   constexpr double highest = 0.3, most_deviations = 10;
-  return -8.48 * std::clamp(e.height, 0.0, highest) - 0.56 * std::clamp(e.height_deviations, 0.0, most_deviations) -
-         22.54 * std::clamp(-e.height, 0.0, highest);
+  return -22.27 * std::clamp(e.height, 0.0, highest) - 0.58 * std::clamp(e.height_deviations, 0.0, most_deviations) -
+         19.87 * std::clamp(-e.height, 0.0, highest);
 }
 
 double share(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
@@ -67,12 +67,17 @@ Explanation explanation_of(const DepthComparison& c, const PartInFrame& part) {
 
 double probability_of_part(const Explanation& e) {
   if (e.explained_pixels == 0) return 0;
-  constexpr double least_noise = 0.008, least_relief = 0.5;
-  const double roughness = std::clamp(e.roughness, 0.2, 9.0);
-  const double logit = -3.15 - 1.12 * std::log(1.02 - e.agreement) - 1.95 * e.deviation - 1.09 * std::log(roughness) -
-                       10.67 * std::sqrt(e.unexplained) - 47.2 * e.free_space - 12.07 * e.not_measured -
-                       5.16 * e.beside - 1.52 * std::log(std::max(e.noise, least_noise)) +
-                       1.1 * std::log(std::max(e.relief, least_relief)) + height_log_odds(e);
+  constexpr double least_noise = 0.008, least_relief = 0.5, least_pixels = 30, many_pixels = 2000, most_beside = 0.25;
+  const double log_disagreement = std::log(1.02 - e.agreement);
+  // Beyond that it is the camera's, not the part's.
+  const double roughness = std::clamp(e.roughness, 0.2, 3.0);
+  // Cameras move outlines: of few pixels that says more, of many only where it is more than any camera does.
+  const double log_few = std::log(std::clamp(e.explained_pixels / many_pixels, least_pixels / many_pixels, 1.0));
+  const double beside_log_odds = 6.77 * e.beside * log_few - 30 * std::max(e.beside - most_beside, 0.0);
+  const double logit = -1.88 - 0.97 * log_disagreement - 2.12 * e.deviation - 2.09 * std::log(roughness) -
+                       12.95 * std::sqrt(e.unexplained) + 43.34 * std::min(e.free_space, 0.1) * log_disagreement -
+                       19.51 * e.not_measured - 1.66 * std::log(std::max(e.noise, least_noise)) +
+                       1.13 * std::log(std::max(e.relief, least_relief)) + beside_log_odds + height_log_odds(e);
   return 1 / (1 + std::exp(-logit));
 }
 
