@@ -12,6 +12,7 @@ ROWS = [
     ("virtual_noise_30", "virtual noise", "virtual noise, 30 parts", ">= 99", "<= 0.5", ">= 98.5"),
     ("stereo_6", "stereo, at rest on a table", "stereo, full frame, 6 parts", ">= 99.5", "<= 0.2", ">= 99"),
     ("stereo_hard", "stereo, at rest on a table", "mirror pair, two sizes, symmetric", ">= 99", "<= 0.5", ">= 98.5"),
+    ("stereo_sheet", "stereo, at rest on a table", "bent sheet metal, 6 parts", "", "", ""),
     ("stereo_hidden", "stereo, 20 % hidden", "20 % of the part hidden", ">= 98", "<= 1", ">= 97"),
     ("stereo_hidden", "stereo, 40 % hidden", "40 % of the part hidden", ">= 90", "<= 3", ">= 87"),
     ("stereo_1000", "stereo, at rest on a table", "1000 parts in the catalogue", ">= 98", "<= 1", ">= 97"),
@@ -25,6 +26,7 @@ ROWS = [
 UNKNOWN = [  # experiment, known protocol, unknown protocol, row
     ("virtual_noise_6", "virtual noise", "virtual noise, part left out", "virtual noise, 6 parts"),
     ("stereo_6", "stereo, at rest on a table", "stereo, part left out", "stereo, 6 parts"),
+    ("stereo_sheet", "stereo, at rest on a table", "stereo, part left out", "bent sheet metal, 6 parts"),
     ("real", "cranfield, object only", "cranfield, object only, part left out", "real: cranfield, object only"),
     ("real", "cranfield, with table", "cranfield, with table, part left out", "real: cranfield, with table"),
     ("stereo_hard", "stereo, at rest on a table", "stereo, part left out", "mirror pair, two sizes (apart)"),
