@@ -8,6 +8,7 @@ import os
 import re
 import threading
 import time
+import warnings
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Iterator
@@ -20,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from partpose.core import Error, Intrinsics
-from partpose.io import CameraFile, camera_file_of, read_camera, read_depth_png
+from partpose.io import CameraFile, camera_file_of, is_picture_png, read_camera, read_depth_png
 
 _Path = str | os.PathLike[str]
 
@@ -74,7 +75,8 @@ class Source(ABC):
 
 class DepthFolder(Source):
     """The 16-bit depth PNGs of a folder, by their names; the camera of NAME.png is NAME.camera.json or camera.json. With
-    `follow`, waits for files to come, as any program may write them: beside (with another ending) and then renamed."""
+    `follow`, waits for files to come, as any program may write them: beside (with another ending) and then renamed.
+    Pictures among them (8-bit or in colours) are left out, with a warning."""
 
     def __init__(self, folder: _Path, *, follow: bool = False) -> None:
         self.folder = Path(folder)
@@ -84,6 +86,7 @@ class DepthFolder(Source):
         self._cameras: dict[Path, CameraFile] = {}
         self._number = 0
         self._closed = False
+        self._has_pictures = False
         if not self.folder.is_dir():
             raise Error(f"{self.folder}: no such folder")
         if not follow and not any(self.folder.glob("*.png")):
@@ -98,7 +101,15 @@ class DepthFolder(Source):
             if self._waiting:
                 file = self._waiting.pop()
                 self._done.add(file)
-                return self._frame(file)
+                if not is_picture_png(file):
+                    return self._frame(file)
+                if not self._has_pictures:
+                    warnings.warn(
+                        f"{file}: is a picture (8-bit or in colours), not a depth image: such files are left out",
+                        stacklevel=2,
+                    )
+                self._has_pictures = True
+                continue
             if not self.follow or time.monotonic() > deadline:
                 return None
             time.sleep(0.05)

@@ -93,6 +93,8 @@ void bind_io(nb::module_& parent) {
   m.def("model_files", &model_files, "file_or_folder"_a, "The file itself, or a folder's model files by name.");
 
   m.def("read_depth_png", &read_depth_png, "path"_a, "depth_scale_mm"_a, released, "A 16-bit greyscale PNG.");
+  m.def("is_picture_png", &is_picture_png, "path"_a,
+        "Whether a file is a PNG of another kind than depth images: 8-bit or in colours. By its header alone.");
   m.def("write_depth_png", &write_depth_png, "path"_a, "depth"_a, "depth_scale_mm"_a, released,
         "Depth rounded to the nearest unit of depth_scale_mm mm.");
   m.def(

@@ -55,6 +55,15 @@ def test_folders(tmp_path: Path) -> None:
         sources.DepthFolder(tmp_path / "frames").read()
 
 
+def test_pictures_beside_the_depth_images_are_left_out(tmp_path: Path) -> None:
+    for name in ("0.png", "1.png"):
+        put_frame(tmp_path / "frames", name)
+        partpose.io.write_png(tmp_path / "frames" / f"colour_{name}", np.zeros((48, 64, 3), np.uint8))
+    with sources.open_source(tmp_path / "frames") as source, pytest.warns(UserWarning, match="picture") as warned:
+        assert [Path(f.name).name for f in source] == ["0.png", "1.png"]
+    assert len(warned) == 1
+
+
 def test_a_followed_folder_gives_what_comes(tmp_path: Path) -> None:
     put_frame(tmp_path / "frames", "0.png")
     source = sources.DepthFolder(tmp_path / "frames", follow=True)

@@ -46,7 +46,9 @@ struct Target {
   std::vector<ProjectiveRefinement> fit;  ///< of the contenders
 
   Target(const FramePieces& frame, const FrameObject& object)
-      : view(frame, object), noise_mm(view.noise_mm), local_noise_mm(std::max(view.local_noise_mm, 0.05)) {
+      : view(frame, object),
+        noise_mm(view.noise_mm),
+        local_noise_mm(view.local_noise_mm > 0 ? std::max(view.local_noise_mm, 0.05) : view.noise_mm) {
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
     for (const auto& p : view.points.points_mm) {
       const Eigen::Vector3d arm = p.cast<double>() - view.all.centre_mm();
@@ -337,8 +339,10 @@ Recognition Engine::recognize(const PointCloud& cloud) const {
   nothing.result.timestamp = make_timestamp();
   nothing.num_of_points_input = static_cast<int>(cloud.size());
   const PointCloud seen = before_camera(cloud);
+  // Of a cloud that was thinned so much that its pixels hardly touch, as by a voxel grid, a coarser camera sees more.
+  constexpr double least_touching = 0.25;
   auto camera = pixel_grid_of(seen);
-  if (!camera) camera = intrinsics_of(seen);
+  if (!camera || share_of_neighbours(to_depth_image(seen, *camera)) < least_touching) camera = intrinsics_of(seen);
   if (!camera || seen.size() < static_cast<std::size_t>(impl_->pieces.min_pixels)) {
     nothing.reason = fmt::format(
         "{} of the scene's {} points lie before the camera (x right, y down, z forward), too few "
@@ -806,7 +810,7 @@ void Engine::Impl::decide(Target& target) const {
   });
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < contenders; ++i)
-    order.emplace_back(-pose_log_odds(comparison[i], explanation[i], stride), i);
+    order.emplace_back(-pose_log_odds(comparison[i], explanation[i], target.noise(), stride), i);
   std::sort(order.begin(), order.end());
   std::vector<Candidate> decided;
   std::vector<ProjectiveRefinement> fit;

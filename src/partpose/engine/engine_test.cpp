@@ -10,6 +10,9 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <tuple>
+
 namespace partpose {
 namespace {
 
@@ -103,6 +106,37 @@ TEST_F(EngineTest, NothingIsNoResult) {
   PointCloud broken;
   broken.points.assign(100, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
   EXPECT_LT(engine->recognize(broken).accepted, 0);
+}
+
+TEST_F(EngineTest, AVoxelGridsCloudIsSeenByACoarserCamera) {
+  Random random(21);
+  const Intrinsics taken_with{640, 480, 615, 615, 319.5, 239.5};
+  Eigen::Isometry3d table = Eigen::Isometry3d::Identity();
+  table.linear() = Eigen::AngleAxisd(2.6, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  table.translation().z() = 850;
+  const TriangleMesh bracket = shapes::l_bracket();
+  int right = 0;
+  constexpr int frames = 6;
+  for (int i = 0; i < frames; ++i) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = Eigen::AngleAxisd(1.1 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    pose.translation().z() = -bounding_box(bracket).min().z();
+    const TriangleMesh scene = shapes::joined(shapes::plane_patch(600, 450), shapes::moved(bracket, pose));
+    DepthImage depth = render(scene, table, taken_with).depth;
+    for (float& z : depth.z_mm)
+      if (z > 0) z += 0.5f * static_cast<float>(random.normal_pair().first);
+    // The mean of the points in each cube of 2 mm.
+    std::map<std::tuple<int, int, int>, std::pair<Eigen::Vector3f, int>> cubes;
+    for (const auto& p : to_point_cloud(depth, taken_with).points) {
+      const Eigen::Array3i cube = (p / 2).array().floor().cast<int>();
+      auto& [sum, count] = cubes.try_emplace({cube.x(), cube.y(), cube.z()}, Eigen::Vector3f::Zero(), 0).first->second;
+      sum += p, ++count;
+    }
+    PointCloud cloud;
+    for (const auto& [cube, points] : cubes) cloud.points.push_back(points.first / static_cast<float>(points.second));
+    right += engine->recognize(cloud).result.model_name == "part_0";
+  }
+  EXPECT_EQ(right, frames);
 }
 
 TEST_F(EngineTest, ABallIsNoneOfThem) {

@@ -918,32 +918,19 @@ ObjectPoints points_of_blocks(const FramePieces& frame, const FrameObject& objec
   return out;
 }
 
-}  // namespace
-
-ObjectPoints object_points(const FramePieces& frame, const FrameObject& object, int wanted) {
-  const int block_px =
-      std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(object.pixels) / wanted))));
-  std::vector<std::uint8_t> grown = may_be_grown(frame, object);
-  ObjectPoints out = points_of_blocks(frame, object, block_px, grown);
-  // Of what is hardly wider than an outline all counts.
-  constexpr double least_share = 0.4;
-  if (static_cast<double>(out.points_mm.size()) * block_px * block_px < least_share * object.pixels) {
-    std::fill(grown.begin(), grown.end(), 0);
-    out = points_of_blocks(frame, object, block_px, grown);
-  }
-  return out;
-}
-
-double local_noise_mm(const FramePieces& frame, const FrameObject& object) {
-  constexpr int reach = 2, side = 2 * reach + 1, most_windows = 150;
+/// Over windows that reach so many pixels to each side.
+double local_noise_mm(const FramePieces& frame, const FrameObject& object, int reach) {
+  constexpr int most_windows = 150;
+  const int side = 2 * reach + 1, pixels = side * side;
+  // On a regular grid the best plane's slopes are the moments over fixed sums: each row's of k * k from -reach to
+  // reach.
+  const auto moment = static_cast<float>(side * reach * (reach + 1) * (2 * reach + 1) / 3);
   const DepthImage& depth = *frame.depth;
   const double box_px = static_cast<double>(object.u1 - object.u0 + 1) * (object.v1 - object.v0 + 1);
   const int step = std::max(1, static_cast<int>(std::sqrt(box_px / most_windows)));
   std::vector<float> deviation;
   for (int v = std::max(object.v0, reach); v <= std::min(object.v1, depth.height - 1 - reach); v += step)
     for (int u = std::max(object.u0, reach); u <= std::min(object.u1, depth.width - 1 - reach); u += step) {
-      // On a regular grid the best plane's slopes are the moments over fixed sums: 5 rows of 4 + 1 + 0 + 1 + 4.
-      constexpr float moment = side * 2 * (4 + 1);
       const float centre_z = depth.at(u, v);
       float sum = 0, squared = 0, along_u = 0, along_v = 0;
       bool full = true;
@@ -961,13 +948,35 @@ double local_noise_mm(const FramePieces& frame, const FrameObject& object) {
           along_v += static_cast<float>(dv) * z;
         }
       if (!full) continue;
-      const float left = squared - sum * sum / (side * side) - (along_u * along_u + along_v * along_v) / moment;
-      deviation.push_back(std::sqrt(std::max(left, 0.0f) / (side * side - 3)));
+      const float left =
+          squared - sum * sum / static_cast<float>(pixels) - (along_u * along_u + along_v * along_v) / moment;
+      deviation.push_back(std::sqrt(std::max(left, 0.0f) / static_cast<float>(pixels - 3)));
     }
   if (deviation.empty()) return 0;
   const auto middle = deviation.begin() + static_cast<std::ptrdiff_t>(deviation.size() / 2);
   std::nth_element(deviation.begin(), middle, deviation.end());
   return *middle;
+}
+
+}  // namespace
+
+ObjectPoints object_points(const FramePieces& frame, const FrameObject& object, int wanted) {
+  const int block_px =
+      std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(object.pixels) / wanted))));
+  std::vector<std::uint8_t> grown = may_be_grown(frame, object);
+  ObjectPoints out = points_of_blocks(frame, object, block_px, grown);
+  // Of what is hardly wider than an outline all counts.
+  constexpr double least_share = 0.4;
+  if (static_cast<double>(out.points_mm.size()) * block_px * block_px < least_share * object.pixels) {
+    std::fill(grown.begin(), grown.end(), 0);
+    out = points_of_blocks(frame, object, block_px, grown);
+  }
+  return out;
+}
+
+double local_noise_mm(const FramePieces& frame, const FrameObject& object) {
+  const double noise_mm = local_noise_mm(frame, object, 2);
+  return noise_mm > 0 ? noise_mm : local_noise_mm(frame, object, 1);
 }
 
 std::optional<double> neighbour_correlation(const FramePieces& frame, const FrameObject& object) {

@@ -112,8 +112,8 @@ struct ObjectPoints {
 ObjectPoints object_points(const FramePieces& frame, const FrameObject& object, int wanted);
 
 /// Standard deviation of the depths' noise, in mm, as neighbouring pixels of the object show it: the median over
-/// windows of 5 x 5 pixels of the deviation from the plane that fits best. Slow waves are not seen. 0 when no window is
-/// full.
+/// windows of 5 x 5 pixels (3 x 3 where none of these is full) of the deviation from the plane that fits best. Slow
+/// waves are not seen. 0 when no window is full.
 double local_noise_mm(const FramePieces& frame, const FrameObject& object);
 
 /// How much the noise of a pixel's depth is that of its neighbours in the row and column, -1 to 1: the median over

@@ -107,6 +107,16 @@ TEST_F(FramePiecesTest, LocalNoiseIsThatOfNeighbouringPixels) {
   EXPECT_NEAR(local_noise_mm(frame, frame.objects[0]), 1.5, 0.2);
 }
 
+TEST_F(FramePiecesTest, LocalNoiseOfSlenderObjectsIsThatOfSmallerWindows) {
+  put(shapes::box(Eigen::Vector3f(4, 120, 40)), {0, 0, -21});
+  add_noise(1.5);
+  const FramePieces frame = split();
+  ASSERT_FALSE(frame.objects.empty());
+  const FrameObject& slender = frame.objects[0];
+  EXPECT_LT(slender.u1 - slender.u0, 4);
+  EXPECT_NEAR(local_noise_mm(frame, slender), 1.5, 0.3);
+}
+
 TEST_F(FramePiecesTest, ForegroundGrowsWhereNeighboursErrTogether) {
   put(shapes::box(Eigen::Vector3f(100, 100, 40)), {0, 0, -21});
   const DepthImage clean = depth;

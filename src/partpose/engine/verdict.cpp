@@ -81,13 +81,14 @@ double probability_of_part(const Explanation& e) {
   return 1 / (1 + std::exp(-logit));
 }
 
-double pose_log_odds(const DepthComparison& c, const Explanation& explanation, int stride) {
+double pose_log_odds(const DepthComparison& c, const Explanation& explanation, const DepthNoise& noise, int stride) {
   const double log_evidence = c.log_likelihood - c.local_deviations;
   // Some tenths of a deviation above the table are nothing: Huber's (1964) loss.
   constexpr double deviation = 1.5, most = 5;
   const double off = std::min(std::abs(explanation.height_deviations) / deviation, most);
   const double height_loss = off < 1 ? 0.5 * off * off : off - 0.5;
-  return log_evidence * std::min(stride * stride / alike_px, 1.0) - height_loss;
+  // Pixels that err together are as one.
+  return log_evidence * noise.total_mm * noise.total_mm / pixel_variance_mm2(noise, stride) - height_loss;
 }
 
 std::vector<double> shares(std::span<const double> log_odds) {

@@ -32,11 +32,6 @@ Explanation explanation_of(const DepthComparison& comparison, const PartInFrame&
 /// regression (Cox 1958), whose constants tools/fit_score.py finds.
 double probability_of_part(const Explanation& explanation);
 
-/// By which poses of one object compete, compared on every `stride`-th pixel: the log-likelihood, once more what
-/// deviates from the waves that are in all of them, both worth fewer pixels than there are since a stereo camera's
-/// errors are alike over some tens of them; and that a part lies on the table. Needs `local_deviations`.
-double pose_log_odds(const DepthComparison& comparison, const Explanation& explanation, int stride);
-
 /// Probabilities of poses of which one is right, by their log-odds.
 std::vector<double> shares(std::span<const double> log_odds);
 
@@ -51,6 +46,12 @@ struct DepthNoise {
 
 /// What every `stride`-th pixel errs by, as if each erred for itself.
 double pixel_variance_mm2(const DepthNoise& noise, int stride);
+
+/// By which poses of one object compete, compared on every `stride`-th pixel: the log-likelihood, once more what
+/// deviates from the waves that are in all of them, both worth as many pixels as there are that err for themselves;
+/// and that a part lies on the table. Needs `local_deviations`.
+double pose_log_odds(const DepthComparison& comparison, const Explanation& explanation, const DepthNoise& noise,
+                     int stride);
 
 /// For `refine_projectively` from a pose that is right to about 2 % of the part's size: where every `stride`-th pixel
 /// tells less than that, nothing moves. A box of which one side is seen would slide along it by what the waves make up.

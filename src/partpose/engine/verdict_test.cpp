@@ -109,13 +109,20 @@ TEST(Verdict, PosesCompeteByLikelihoodAndByWhatTheyLieOn) {
   DepthComparison likelier = good_comparison();
   likelier.log_likelihood += 200;
   Explanation on_table = explanation_of(good_comparison(), at_rest());
-  const auto log_odds = [&](const DepthComparison& c, int stride) { return pose_log_odds(c, on_table, stride); };
+  constexpr DepthNoise shared{.local_mm = 0, .total_mm = 1}, independent{.local_mm = 1, .total_mm = 1};
+  const auto log_odds = [&](const DepthComparison& c, int stride) {
+    return pose_log_odds(c, on_table, shared, stride);
+  };
   EXPECT_NEAR(log_odds(likelier, 1) - log_odds(good_comparison(), 1), 1, 1e-9);  // 200 pixels err together
   EXPECT_NEAR(log_odds(likelier, 100) - log_odds(good_comparison(), 100), 200, 1e-9);
+  EXPECT_NEAR(
+      pose_log_odds(likelier, on_table, independent, 1) - pose_log_odds(good_comparison(), on_table, independent, 1),
+      200, 1e-9);
   Explanation hanging = on_table, sunk = on_table;
   hanging.height = 0.1, hanging.height_deviations = 10;
   sunk.height = -0.1, sunk.height_deviations = -10;
-  for (const auto& off : {hanging, sunk}) EXPECT_LT(pose_log_odds(likelier, off, 1), log_odds(good_comparison(), 1));
+  for (const auto& off : {hanging, sunk})
+    EXPECT_LT(pose_log_odds(likelier, off, shared, 1), log_odds(good_comparison(), 1));
 }
 
 TEST(Verdict, AKeywayThatPointsAwayLooksTheSame) {

@@ -357,17 +357,20 @@ std::string hint_of_unit(const DepthImage& depth) {
   return {};
 }
 
-std::string hint_of_thinning(const DepthImage& cloud_in_pixels) {
-  int neighbours = 0, measured = 0;  // of the pixels that have a depth
-  for (int v = 1; v + 1 < cloud_in_pixels.height; ++v)
-    for (int u = 1; u + 1 < cloud_in_pixels.width; ++u) {
-      if (!(cloud_in_pixels.at(u, v) > 0)) continue;
+double share_of_neighbours(const DepthImage& depth) {
+  int neighbours = 0, measured = 0;
+  for (int v = 1; v + 1 < depth.height; ++v)
+    for (int u = 1; u + 1 < depth.width; ++u) {
+      if (!(depth.at(u, v) > 0)) continue;
       neighbours += 4;
-      for (const auto& [du, dv] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}})
-        measured += cloud_in_pixels.at(u + du, v + dv) > 0;
+      for (const auto& [du, dv] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) measured += depth.at(u + du, v + dv) > 0;
     }
+  return neighbours > 0 ? static_cast<double>(measured) / neighbours : 0;
+}
+
+std::string hint_of_thinning(const DepthImage& cloud_in_pixels) {
   constexpr double whole_share = 0.8;  // of a camera's cloud about 0.95; of every second point of it 0.5
-  if (measured >= whole_share * neighbours) return {};
+  if (share_of_neighbours(cloud_in_pixels) >= whole_share) return {};
   return "; the cloud seems to be thinned: give all points that the camera measured, or its depth image";
 }
 

@@ -49,6 +49,9 @@ std::string why_nothing_stands_out(const DepthImage& depth);
 /// unit?", or empty.
 std::string hint_of_unit(const DepthImage& depth);
 
+/// How many of the four neighbours of a measured pixel are measured, on average: 1 where there are no holes.
+double share_of_neighbours(const DepthImage& depth);
+
 /// For people, of a cloud in which nothing was recognized, put into a camera's pixels: "; it seems to be thinned ...",
 /// or empty where few of them are empty.
 std::string hint_of_thinning(const DepthImage& cloud_in_pixels);
