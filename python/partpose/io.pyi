@@ -158,6 +158,11 @@ def model_files(file_or_folder: str | os.PathLike[str]) -> list[pathlib.Path]:
 def read_depth_png(path: str | os.PathLike[str], depth_scale_mm: float) -> partpose.core.DepthImage:
     """A 16-bit greyscale PNG."""
 
+def is_picture_png(path: str | os.PathLike[str]) -> bool:
+    """
+    Whether a file is a PNG of another kind than depth images: 8-bit or in colours. By its header alone.
+    """
+
 def write_depth_png(path: str | os.PathLike[str], depth: partpose.core.DepthImage, depth_scale_mm: float) -> None:
     """Depth rounded to the nearest unit of depth_scale_mm mm."""
 
