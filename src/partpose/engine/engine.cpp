@@ -340,7 +340,7 @@ Recognition Engine::recognize(const PointCloud& cloud) const {
   nothing.num_of_points_input = static_cast<int>(cloud.size());
   const PointCloud seen = before_camera(cloud);
   // Of a cloud that was thinned so much that its pixels hardly touch, as by a voxel grid, a coarser camera sees more.
-  constexpr double least_touching = 0.25;
+  constexpr double least_touching = 0.45;
   auto camera = pixel_grid_of(seen);
   if (!camera || share_of_neighbours(to_depth_image(seen, *camera)) < least_touching) camera = intrinsics_of(seen);
   if (!camera || seen.size() < static_cast<std::size_t>(impl_->pieces.min_pixels)) {
