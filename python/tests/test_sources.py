@@ -59,6 +59,8 @@ def test_pictures_beside_the_depth_images_are_left_out(tmp_path: Path) -> None:
     for name in ("0.png", "1.png"):
         put_frame(tmp_path / "frames", name)
         partpose.io.write_png(tmp_path / "frames" / f"colour_{name}", np.zeros((48, 64, 3), np.uint8))
+    assert partpose.io.is_picture_png(tmp_path / "frames" / "colour_0.png")
+    assert not partpose.io.is_picture_png(tmp_path / "frames" / "0.png")
     with sources.open_source(tmp_path / "frames") as source, pytest.warns(UserWarning, match="picture") as warned:
         assert [Path(f.name).name for f in source] == ["0.png", "1.png"]
     assert len(warned) == 1
