@@ -752,19 +752,12 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
       const PartModel& model = *models[look.part];
       hypotheses.push_back(start_of(look, model, windows.at(model.scale.cell_mm)[look.seed].centre_mm));
     }
-  // No part reaches into the table; where a pose is still rough, it may seem to.
-  const auto drop_sunk = [&](double share) {
-    std::erase_if(hypotheses, [&](const Hypothesis& h) {
-      const double tolerance_mm = std::max(share * models[h.part]->diameter_mm, 3 * view.noise_mm);
-      return sinks_into_table(frame, *models[h.part], h.camera_from_model, tolerance_mm);
-    });
-  };
   refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 64, 0.06, 0.01, 6);
-  drop_sunk(0.12);
+  drop_sunk(hypotheses, models, frame, 0.12, view.noise_mm);
   constexpr std::size_t kept_at_first = 10, kept = 5;
   hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept_at_first);
   refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 192, 0.06, 0.01, 8);
-  drop_sunk(0.08);
+  drop_sunk(hypotheses, models, frame, 0.08, view.noise_mm);
   hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept);
   refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 512, 0.02, 0.005, 6);
   return distinct(std::move(hypotheses), models);

@@ -17,6 +17,10 @@
 
 #include <Eigen/Eigenvalues>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -254,6 +258,9 @@ Engine::Engine(Catalogue catalogue, EngineOptions options) : impl_(std::make_uni
   parallel_for(parts.size(),
                [&](std::size_t i) { impl_->models[i] = std::make_shared<const PartModel>(parts[i].mesh); });
   impl_->models_changed();
+#ifdef __GLIBC__
+  malloc_trim(0);  // what the making needed is as much as the models themselves
+#endif
 }
 
 Engine::Engine(const std::vector<NamedMesh>& parts, EngineOptions options) : Engine(mesh_catalogue(parts), options) {}
@@ -364,8 +371,14 @@ void Engine::Impl::examine(Target& target, const ShortlistOptions& options, Stag
 
 void Engine::Impl::examine(Target& target, std::vector<Hypothesis> hypotheses, bool one_part, StageTimes& time) const {
   if (hypotheses.empty()) return;
+  // Among many parts those that sink into the table would leave no room for others.
+  const auto drop_impossible = [&](double share) {
+    if (models.size() > few_parts && !target.view.object->whole_frame)
+      drop_sunk(hypotheses, model_of, *target.view.frame, share, target.view.noise_mm);
+  };
   time("refine_1", [&] {
     refine(hypotheses, model_of, target.view, target.view.few, 6);
+    drop_impossible(0.08);
     std::size_t kept = std::max<std::size_t>(24, hypotheses.size() / 4);
     if (models.size() > few_parts)  // the right one may have many before it
       kept = std::max(kept, static_cast<std::size_t>(9 * std::sqrt(static_cast<double>(models.size()))));
@@ -377,6 +390,7 @@ void Engine::Impl::examine(Target& target, std::vector<Hypothesis> hypotheses, b
   target.heard.insert(promising.begin(), promising.end());
   time("refine_2", [&] {
     refine(hypotheses, model_of, target.view, target.view.many, 8);
+    drop_impossible(0.05);
     const std::size_t kept = std::max<std::size_t>(6, hypotheses.size() / 5);
     hypotheses = best_of(distinct(std::move(hypotheses), model_of), kept, 1);
     if (hypotheses.size() > 2 * kept) hypotheses.resize(2 * kept);

@@ -246,6 +246,23 @@ bool sinks_into_table(const FramePieces& frame, const PartModel& model, const Ei
   return height_mm && *height_mm < -std::max(tolerance_mm, table_off_mm);
 }
 
+void drop_sunk(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const FramePieces& frame,
+               double share, double noise_mm) {
+  std::vector<std::uint8_t> sunk(hypotheses.size());
+  parallel_for(
+      hypotheses.size(),
+      [&](std::size_t i) {
+        const Hypothesis& h = hypotheses[i];
+        const double tolerance_mm = std::max(share * models[h.part]->diameter_mm, 3 * noise_mm);
+        sunk[i] = sinks_into_table(frame, *models[h.part], h.camera_from_model, tolerance_mm);
+      },
+      8);
+  std::vector<Hypothesis> kept;
+  for (std::size_t i = 0; i < hypotheses.size(); ++i)
+    if (sunk[i] == 0) kept.push_back(hypotheses[i]);
+  hypotheses = std::move(kept);
+}
+
 bool lies_low(const ObjectView& view) {
   constexpr double most_high = 0.1;  // of the points
   const auto& points = view.points.points_mm;

@@ -59,6 +59,11 @@ bool touches(const PartModel& a, const Eigen::Isometry3d& camera_from_a, const P
 bool sinks_into_table(const FramePieces& frame, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
                       double tolerance_mm);
 
+/// Drops those that reach into the table by more than that share of the part's diameter: poses that are still rough may
+/// seem to.
+void drop_sunk(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const FramePieces& frame,
+               double share, double noise_mm);
+
 /// Whether hardly any of the object's points are higher than what a camera may make of the table.
 bool lies_low(const ObjectView& view);
 

@@ -163,6 +163,26 @@ TEST_F(AtRest, NothingOfWhatIsLow) {
   EXPECT_TRUE(at_rest(models, ObjectView(pieces, pieces.objects[0])).empty());
 }
 
+TEST_F(AtRest, DropsWhatSinksIntoTheTable) {
+  const TriangleMesh box = shapes::box({0, 0, 0}, {60, 40, 30});
+  const PartModel model(box);
+  const FramePieces pieces = pieces_of(box, model);
+  const std::vector<const PartModel*> models = {&model};
+  std::vector<Hypothesis> hypotheses;
+  for (const double height_mm : {0.0, -9.0, -20.0, 15.0, -20.0}) {
+    Hypothesis h;
+    h.part = 0;
+    h.cost = height_mm;
+    h.camera_from_model = camera_from_table * Eigen::Translation3d(0, 0, height_mm) * table_from_part;
+    hypotheses.push_back(h);
+  }
+  drop_sunk(hypotheses, models, pieces, 12 / model.diameter_mm, 0.1);
+  ASSERT_EQ(hypotheses.size(), 3u);
+  EXPECT_EQ(hypotheses[0].cost, 0);
+  EXPECT_EQ(hypotheses[1].cost, -9);
+  EXPECT_EQ(hypotheses[2].cost, 15);
+}
+
 TEST(PartModel, RestsOnItsFaces) {
   const PartModel model(shapes::box({10, 20, 30}, {90, 80, 70}));  // 80 x 60 x 40
   ASSERT_EQ(model.rests.size(), 6u);
