@@ -321,6 +321,10 @@ test('a recognized depth frame, its truth unknown', async () => {
   await shot('depth_frame');
   await browser.goto(path('recognized/report.html'), ready, '#frame/1');
   assert.match(await text('.why'), /Nothing was recognized.*below 0\.5\./);
+  await browser.goto(path('recognized/report.html'), ready);
+  const steps = await texts('dl.glossary dt'), meant = await texts('dl.glossary dd');
+  assert.deepEqual([steps[0], steps.at(-1)], ['segmentation', 'decision']);
+  assert.deepEqual(steps.filter((_, i) => !meant[i]), [], 'steps without an explanation');
   quiet();
 });
 
