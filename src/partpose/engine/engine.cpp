@@ -725,7 +725,8 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
     more.insert(more.end(), turned.begin(), turned.end());
   }
   if (!hypotheses.empty()) {
-    const auto others = in_place_of(hypotheses[0], model_of);
+    const double most_difference = models.size() > few_parts ? 0.08 : 0.03;  // few are all among the starts
+    const auto others = in_place_of(hypotheses[0], model_of, target.view, most_difference);
     more.insert(more.end(), others.begin(), others.end());
   }
   for (auto& h : more) h.at_rest = false;

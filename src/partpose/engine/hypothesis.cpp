@@ -450,8 +450,8 @@ std::vector<Hypothesis> best_turns(const Hypothesis& hypothesis, const PartModel
   return out;
 }
 
-std::vector<Hypothesis> in_place_of(const Hypothesis& hypothesis, std::span<const PartModel* const> models) {
-  constexpr double most_difference = 0.03;  // of the boxes' edges, in diameters
+std::vector<Hypothesis> in_place_of(const Hypothesis& hypothesis, std::span<const PartModel* const> models,
+                                    const ObjectView& view, double most_difference) {
   constexpr std::size_t most = 24;
   static const std::vector<Eigen::Matrix3d> axis_turns = [] {
     std::vector<Eigen::Matrix3d> turns;
@@ -478,11 +478,12 @@ std::vector<Hypothesis> in_place_of(const Hypothesis& hypothesis, std::span<cons
       Hypothesis h = hypothesis;
       h.part = part;
       h.view = 0;
-      h.cost = differs_mm;
       Eigen::Isometry3d brother_from_model = Eigen::Isometry3d::Identity();
       brother_from_model.linear() = turn;
       brother_from_model.translation() = brother.middle_mm - turn * model.middle_mm;
       h.start = h.camera_from_model = hypothesis.camera_from_model * brother_from_model;
+      const double cap_mm = std::max(most_mm, 3 * view.noise_mm);
+      h.cost = mean_distance_mm(model.field, h.camera_from_model, view.many, cap_mm);
       found.push_back(h);
     }
   }

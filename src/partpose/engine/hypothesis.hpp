@@ -96,9 +96,11 @@ std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const
 std::vector<Hypothesis> best_turns(const Hypothesis& hypothesis, const PartModel& model, const ObjectView& view,
                                    std::size_t most);
 
-/// Other parts whose boxes are about that of the hypothesis', laid into it in each way in which they fit: a mirror twin
-/// is not found where its brother is like it.
-std::vector<Hypothesis> in_place_of(const Hypothesis& hypothesis, std::span<const PartModel* const> models);
+/// Other parts whose boxes are about that of the hypothesis', their edges up to `most_difference` diameters, laid into it
+/// in each way in which they fit: a mirror twin is not found where its brother is like it, nor the right one of many
+/// that are alike. Those that come nearest to the object's points, best first.
+std::vector<Hypothesis> in_place_of(const Hypothesis& hypothesis, std::span<const PartModel* const> models,
+                                    const ObjectView& view, double most_difference);
 
 /// The `count` of lowest cost, and besides them the best `per_part` of each of the best dozen of parts.
 std::vector<Hypothesis> best_of(std::vector<Hypothesis> all, std::size_t count, int per_part);

@@ -163,6 +163,28 @@ TEST_F(AtRest, NothingOfWhatIsLow) {
   EXPECT_TRUE(at_rest(models, ObjectView(pieces, pieces.objects[0])).empty());
 }
 
+TEST_F(AtRest, PartsThatAreAlikeAreTriedInEachOthersPlace) {
+  const TriangleMesh seen = shapes::box({0, 0, 0}, {60, 40, 30});
+  const PartModel model(seen), longer(shapes::box({0, 0, 0}, {65, 40, 30})),
+      other(shapes::box({0, 0, 0}, {60, 60, 60}));
+  const FramePieces pieces = pieces_of(seen, model);
+  ASSERT_EQ(pieces.objects.size(), 1u);
+  const ObjectView view(pieces, pieces.objects[0]);
+  Hypothesis wrong;  // the longer one, where the shorter one lies
+  wrong.part = 1;
+  wrong.camera_from_model = camera_from_table * table_from_part;
+  const std::vector<const PartModel*> models = {&model, &longer, &other};
+  EXPECT_TRUE(in_place_of(wrong, models, view, 0.03).empty());
+  const auto found = in_place_of(wrong, models, view, 0.08);
+  ASSERT_FALSE(found.empty());
+  const Eigen::Vector3d middle_mm = wrong.camera_from_model * longer.middle_mm;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].part, 0);
+    EXPECT_LT((found[i].camera_from_model * model.middle_mm - middle_mm).norm(), 0.01);
+    if (i > 0) EXPECT_LE(found[i - 1].cost, found[i].cost);
+  }
+}
+
 TEST_F(AtRest, DropsWhatSinksIntoTheTable) {
   const TriangleMesh box = shapes::box({0, 0, 0}, {60, 40, 30});
   const PartModel model(box);
