@@ -753,11 +753,11 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
       hypotheses.push_back(start_of(look, model, windows.at(model.scale.cell_mm)[look.seed].centre_mm));
     }
   refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 64, 0.06, 0.01, 6);
-  drop_sunk(hypotheses, models, frame, 0.12, view.noise_mm);
+  drop_sunk(hypotheses, models, view, 0.12);
   constexpr std::size_t kept_at_first = 10, kept = 5;
   hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept_at_first);
   refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 192, 0.06, 0.01, 8);
-  drop_sunk(hypotheses, models, frame, 0.08, view.noise_mm);
+  drop_sunk(hypotheses, models, view, 0.08);
   hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept);
   refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 512, 0.02, 0.005, 6);
   return distinct(std::move(hypotheses), models);

@@ -373,8 +373,7 @@ void Engine::Impl::examine(Target& target, std::vector<Hypothesis> hypotheses, b
   if (hypotheses.empty()) return;
   // Among many parts those that sink into the table would leave no room for others.
   const auto drop_impossible = [&](double share) {
-    if (models.size() > few_parts && !target.view.object->whole_frame)
-      drop_sunk(hypotheses, model_of, *target.view.frame, share, target.view.noise_mm);
+    if (models.size() > few_parts) drop_sunk(hypotheses, model_of, target.view, share);
   };
   time("refine_1", [&] {
     refine(hypotheses, model_of, target.view, target.view.few, 6);
@@ -691,14 +690,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
       std::erase_if(some, [&](const auto& h) { return h.left_mm > least_left_mm + most_worse * target.view.noise_mm; });
   };
   // What sinks into the table is not there, however well what is seen of it fits.
-  const auto drop_sunk = [&](std::vector<Hypothesis>& some) {
-    if (target.view.object->whole_frame) return;
-    std::erase_if(some, [&](const Hypothesis& h) {
-      return sinks_into_table(*target.view.frame, *models[h.part], h.camera_from_model,
-                              touch_tolerance_mm(*models[h.part], target.noise_mm));
-    });
-  };
-  drop_sunk(hypotheses);
+  drop_sunk(hypotheses, model_of, target.view, touching_share);
   drop_worse(hypotheses);
   Eigen::AlignedBox2d pixels;
   for (const auto& h : hypotheses)
@@ -731,7 +723,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
   }
   for (auto& h : more) h.at_rest = false;
   parallel_for(more.size(), [&](std::size_t i) { settle(more[i]); });
-  drop_sunk(more);
+  drop_sunk(more, model_of, target.view, touching_share);
   drop_worse(more);
   parallel_for(more.size(), [&](std::size_t i) { more[i].cost = -compare(more[i]).log_likelihood; });
   hypotheses.insert(hypotheses.end(), more.begin(), more.end());

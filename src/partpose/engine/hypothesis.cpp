@@ -21,6 +21,10 @@ namespace {
 
 constexpr double table_off_mm = 8;  ///< of a camera that bends it where a part hides it
 
+double tolerance_mm(const PartModel& model, double share, double noise_mm) {
+  return std::max(share * model.diameter_mm, 3 * noise_mm);
+}
+
 std::vector<Eigen::Vector3f> spread(const std::vector<Eigen::Vector3f>& points, int count) {
   if (static_cast<int>(points.size()) <= count) return points;
   std::vector<Eigen::Vector3f> out;
@@ -229,8 +233,7 @@ std::optional<double> height_above_table_mm(const FramePieces& frame, const Part
 }
 
 double touch_tolerance_mm(const PartModel& model, double noise_mm) {
-  constexpr double share = 0.04;  // a turn that is off by two degrees
-  return std::max(share * model.diameter_mm, 3 * noise_mm);
+  return tolerance_mm(model, touching_share, noise_mm);
 }
 
 bool touches(const PartModel& a, const Eigen::Isometry3d& camera_from_a, const PartModel& b,
@@ -246,15 +249,16 @@ bool sinks_into_table(const FramePieces& frame, const PartModel& model, const Ei
   return height_mm && *height_mm < -std::max(tolerance_mm, table_off_mm);
 }
 
-void drop_sunk(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const FramePieces& frame,
-               double share, double noise_mm) {
+void drop_sunk(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const ObjectView& view,
+               double share) {
+  if (view.object->whole_frame) return;
   std::vector<std::uint8_t> sunk(hypotheses.size());
   parallel_for(
       hypotheses.size(),
       [&](std::size_t i) {
         const Hypothesis& h = hypotheses[i];
-        const double tolerance_mm = std::max(share * models[h.part]->diameter_mm, 3 * noise_mm);
-        sunk[i] = sinks_into_table(frame, *models[h.part], h.camera_from_model, tolerance_mm);
+        const PartModel& model = *models[h.part];
+        sunk[i] = sinks_into_table(*view.frame, model, h.camera_from_model, tolerance_mm(model, share, view.noise_mm));
       },
       8);
   std::vector<Hypothesis> kept;

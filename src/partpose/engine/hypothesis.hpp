@@ -48,7 +48,8 @@ struct ShortlistOptions {
 std::optional<double> height_above_table_mm(const FramePieces& frame, const PartModel& model,
                                             const Eigen::Isometry3d& camera_from_model);
 
-/// A part that is as near to something touches it.
+/// A part that is as near to something touches it: this share of its diameter, a turn that is off by two degrees.
+constexpr double touching_share = 0.04;
 double touch_tolerance_mm(const PartModel& model, double noise_mm);
 
 /// Whether a place of part `a` is within or beside part `b`.
@@ -59,10 +60,10 @@ bool touches(const PartModel& a, const Eigen::Isometry3d& camera_from_a, const P
 bool sinks_into_table(const FramePieces& frame, const PartModel& model, const Eigen::Isometry3d& camera_from_model,
                       double tolerance_mm);
 
-/// Drops those that reach into the table by more than that share of the part's diameter: poses that are still rough may
-/// seem to.
-void drop_sunk(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const FramePieces& frame,
-               double share, double noise_mm);
+/// Drops those that reach into the table by more than that share of the part's diameter, or by more than noise: the
+/// rougher poses still are, the more some may seem to. None where the whole frame may be one part.
+void drop_sunk(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const ObjectView& view,
+               double share);
 
 /// Whether hardly any of the object's points are higher than what a camera may make of the table.
 bool lies_low(const ObjectView& view);

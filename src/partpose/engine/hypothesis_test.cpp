@@ -198,7 +198,7 @@ TEST_F(AtRest, DropsWhatSinksIntoTheTable) {
     h.camera_from_model = camera_from_table * Eigen::Translation3d(0, 0, height_mm) * table_from_part;
     hypotheses.push_back(h);
   }
-  drop_sunk(hypotheses, models, pieces, 12 / model.diameter_mm, 0.1);
+  drop_sunk(hypotheses, models, ObjectView(pieces, pieces.objects[0]), 12 / model.diameter_mm);
   ASSERT_EQ(hypotheses.size(), 3u);
   EXPECT_EQ(hypotheses[0].cost, 0);
   EXPECT_EQ(hypotheses[1].cost, -9);
