@@ -178,10 +178,10 @@ TEST_F(AtRest, PartsThatAreAlikeAreTriedInEachOthersPlace) {
   const auto found = in_place_of(wrong, models, view, 0.08);
   ASSERT_FALSE(found.empty());
   const Eigen::Vector3d middle_mm = wrong.camera_from_model * longer.middle_mm;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    EXPECT_EQ(found[i].part, 0);
-    EXPECT_LT((found[i].camera_from_model * model.middle_mm - middle_mm).norm(), 0.01);
-    if (i > 0) EXPECT_LE(found[i - 1].cost, found[i].cost);
+  for (const auto& h : found) {
+    EXPECT_EQ(h.part, 0);
+    EXPECT_LT((h.camera_from_model * model.middle_mm - middle_mm).norm(), 0.01);
+    EXPECT_LE(found[0].cost, h.cost);
   }
 }
 
