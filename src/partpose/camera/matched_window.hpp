@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 namespace partpose {
 
@@ -26,5 +27,24 @@ inline float matched_mean(const float* centre, std::ptrdiff_t stride, int room, 
   }
   return value + offsets / static_cast<float>(count);
 }
+
+/// `matched_mean` of all pixels of a row, side by side.
+class MatchedRow {
+ public:
+  MatchedRow(int width, int reach, float edge)
+      : width_(width), reach_(reach), edge_(edge), offsets_(width), count_(width), holds_(width) {}
+
+  /// With windows along the row.
+  void along(const float* row, float* out) { find(row, out, 1, reach_); }
+  /// With windows across it; `room`: so many rows are above it and below it, each `width` from the next.
+  void across(const float* row, float* out, int room) { find(row, out, width_, std::min(room, reach_)); }
+
+ private:
+  void find(const float* row, float* out, std::ptrdiff_t stride, int reach);
+
+  int width_, reach_;
+  float edge_;
+  std::vector<float> offsets_, count_, holds_;  ///< of each window
+};
 
 }  // namespace partpose

@@ -75,15 +75,12 @@ std::vector<Beside> beside_part(const DepthImage& rendered, int reach) {
 DepthImage as_matched(DepthImage rendered, const SensorModel& sensor) {
   const int reach = static_cast<int>(std::lround(sensor.growth_px));
   if (reach < 1) return rendered;
-  const auto edge_mm = static_cast<float>(sensor.edge_mm);
   const int width = rendered.width, height = rendered.height;
+  MatchedRow matched(width, reach, static_cast<float>(sensor.edge_mm));
   DepthImage along_rows(width, height);
-  for (int v = 0, p = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u, ++p)
-      along_rows.z_mm[p] = matched_mean(&rendered.z_mm[p], 1, std::min(u, width - 1 - u), reach, edge_mm);
-  for (int v = 0, p = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u, ++p)
-      rendered.z_mm[p] = matched_mean(&along_rows.z_mm[p], width, std::min(v, height - 1 - v), reach, edge_mm);
+  for (int v = 0; v < height; ++v) matched.along(&rendered.at(0, v), &along_rows.at(0, v));
+  for (int v = 0; v < height; ++v)
+    matched.across(&along_rows.at(0, v), &rendered.at(0, v), std::min(v, height - 1 - v));
   return rendered;
 }
 
@@ -93,8 +90,9 @@ class BoxSums {
   BoxSums(int width, int height) : row_(width + 1), sum_(static_cast<std::size_t>(row_) * (height + 1), 0.0f) {}
   /// In order, row by row.
   void add(int u, int v, float value) {
+    of_row_ = u == 0 ? value : of_row_ + value;
     float* at = &sum_[static_cast<std::size_t>(v + 1) * row_ + u + 1];
-    *at = value + at[-1] + at[-row_] - at[-row_ - 1];
+    *at = at[-row_] + of_row_;
   }
   /// Of the pixels [u0, u1) x [v0, v1).
   float operator()(int u0, int v0, int u1, int v1) const { return at(u1, v1) - at(u0, v1) - at(u1, v0) + at(u0, v0); }
@@ -103,6 +101,7 @@ class BoxSums {
   float at(int u, int v) const { return sum_[static_cast<std::size_t>(v) * row_ + u]; }
 
   int row_;
+  float of_row_ = 0;  ///< so far
   std::vector<float> sum_;
 };
 

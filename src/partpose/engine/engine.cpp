@@ -697,12 +697,20 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
     pixels.extend(covered_at_any_turn(target.view.frame->camera, *models[h.part], h.camera_from_model));
   const FrameWindow frame = window_about(target.view, pixels, coarse_pixels);
   const DepthComparer comparer(frame, sensor(target, stride_for(target.view, coarse_pixels)));
-  const auto compare = [&](const Hypothesis& h) {
-    const PartModel& model = *models[h.part];
-    return comparer(model.outline, h.camera_from_model, model.covered(frame.camera, h.camera_from_model),
-                    model.outline.faces);
+  std::vector<DepthComparison> comparisons;
+  const auto compare = [&](std::vector<Hypothesis>& some) {
+    const std::size_t first = comparisons.size();
+    comparisons.resize(first + some.size());
+    parallel_for(some.size(), [&](std::size_t i) {
+      Hypothesis& h = some[i];
+      const PartModel& model = *models[h.part];
+      h.comparison = first + i;
+      comparisons[h.comparison] = comparer(model.outline, h.camera_from_model,
+                                           model.covered(frame.camera, h.camera_from_model), model.outline.faces);
+      h.cost = -comparisons[h.comparison].log_likelihood;
+    });
   };
-  parallel_for(hypotheses.size(), [&](std::size_t i) { hypotheses[i].cost = -compare(hypotheses[i]).log_likelihood; });
+  compare(hypotheses);
   sort_by_cost(hypotheses);
   // What nearly puts the part back onto itself, of the best few.
   std::vector<Hypothesis> more;
@@ -725,7 +733,7 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
   parallel_for(more.size(), [&](std::size_t i) { settle(more[i]); });
   drop_sunk(more, model_of, target.view, touching_share);
   drop_worse(more);
-  parallel_for(more.size(), [&](std::size_t i) { more[i].cost = -compare(more[i]).log_likelihood; });
+  compare(more);
   hypotheses.insert(hypotheses.end(), more.begin(), more.end());
   sort_by_cost(hypotheses);
   hypotheses = contenders_first(distinct(std::move(hypotheses), model_of));
@@ -741,7 +749,8 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
     target.log_likelihoods.push_back(-hypotheses[i].cost);
   }
   const Hypothesis& best = hypotheses[0];
-  target.best_score = rough_probability(compare(best), in_frame(target, best.part, best.camera_from_model));
+  target.best_score =
+      rough_probability(comparisons[best.comparison], in_frame(target, best.part, best.camera_from_model));
 }
 
 /// Those that a closer look may still put first.

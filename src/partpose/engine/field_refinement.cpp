@@ -82,7 +82,8 @@ FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry
   if (points.size() == 0) return out;
   const auto cap_mm = static_cast<float>(3 * options.end_scale_mm);
   double scale_mm = options.start_scale_mm;
-  for (int iteration = 0; iteration < options.max_iterations + options.rate_end; ++iteration) {
+  int iteration = 0;
+  for (; iteration < options.max_iterations; ++iteration) {
     // In the model frame the surface stands still and the points move about their centre.
     const Eigen::Isometry3d model_from_camera = out.camera_from_model.inverse();
     const Eigen::Matrix3f turn = model_from_camera.linear().cast<float>();
@@ -119,8 +120,6 @@ FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry
     const float weight_sum = weights.sum();
     if (!(weight_sum > 0)) break;
     const auto total = products.total();
-    out.rms_mm = std::sqrt(total(6, 6) / weight_sum);
-    if (iteration == options.max_iterations) break;
 
     // What the surface leaves free hardly moves.
     Eigen::Matrix<float, 6, 6> hessian = total.topLeftCorner<6, 6>();
@@ -146,6 +145,8 @@ FieldRefinement refine_on_field(const SurfaceField& field, const Eigen::Isometry
     if (at_end && step.head<3>().norm() * radius + step.tail<3>().norm() < options.converged_mm) break;
     scale_mm = std::max(options.end_scale_mm, 0.6 * scale_mm);
   }
+  if (options.rate_end && iteration == options.max_iterations)
+    out.mean_capped = mean_distance_mm(field, out.camera_from_model, points, cap_mm) / options.end_scale_mm;
   return out;
 }
 

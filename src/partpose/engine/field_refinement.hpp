@@ -45,7 +45,6 @@ struct FieldRefinementOptions {
 
 struct FieldRefinement {
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
-  double rms_mm = 0;       ///< of the distances, robustly: weighted as in the last iteration
   double mean_capped = 0;  ///< mean of the distances, none counted for more than three end scales, in end scales
 };
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/engine/frame_pieces.hpp"
 
+#include "partpose/core/parallel.hpp"
 #include "partpose/core/random.hpp"
 #include "partpose/registration/row_products.hpp"
 
@@ -10,9 +11,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <numeric>
 
 namespace partpose {
@@ -111,12 +114,12 @@ class RowHeights {
 };
 
 /// The powers x^i y^j of a FlatSurface's bend.
-std::array<float, FlatSurface::terms> powers(const Eigen::Vector3f& ray) {
+inline std::array<float, FlatSurface::terms> powers(float ray_x, float ray_y) {
   std::array<float, FlatSurface::terms> out;
   float y = 1;
-  for (int j = 0, k = 0; j <= FlatSurface::degree; ++j, y *= ray.y()) {
+  for (int j = 0, k = 0; j <= FlatSurface::degree; ++j, y *= ray_y) {
     float x = y;
-    for (int i = 0; i + j <= FlatSurface::degree; ++i, x *= ray.x()) out[k++] = x;
+    for (int i = 0; i + j <= FlatSurface::degree; ++i, x *= ray_x) out[k++] = x;
   }
   return out;
 }
@@ -125,7 +128,7 @@ std::array<float, FlatSurface::terms> powers(const Eigen::Vector3f& ray) {
 class Splitter {
  public:
   Splitter(const Grid& grid, const Intrinsics& camera, const FramePiecesOptions& options)
-      : grid_(grid), camera_(camera), options_(options), number_(grid.z_mm.size(), -1) {
+      : grid_(grid), camera_(camera), options_(options), height_mm_(grid.z_mm.size()), number_(grid.z_mm.size(), -1) {
     Cells measured(grid.z_mm.size());
     std::size_t count = 0;
     for (int i = 0; i < static_cast<int>(grid.z_mm.size()); ++i) {
@@ -155,6 +158,23 @@ class Splitter {
   std::optional<CutPlane> table;
 
  private:
+  /// Of cells: their rays (x, y, 1), and depths.
+  struct Places {
+    std::vector<float> ray_x, ray_y, z_mm;
+  };
+
+  Places places_of(const Cells& cells) const {
+    Places out{std::vector<float>(cells.size()), std::vector<float>(cells.size()), std::vector<float>(cells.size())};
+    int row = 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      while (cells[i] >= (row + 1) * grid_.width) ++row;
+      out.ray_x[i] = grid_.ray_x[cells[i] - row * grid_.width];
+      out.ray_y[i] = grid_.ray_y[row];
+      out.z_mm[i] = grid_.z_mm[cells[i]];
+    }
+    return out;
+  }
+
   /// The largest width along 13 directions: the diameter, less some per cent. Of every `step`-th cell.
   float extent_mm(const Cells& cells, std::size_t step = 1) const {
     constexpr int directions = 13, padded = 16;
@@ -217,30 +237,24 @@ class Splitter {
     constexpr double smallest_share = 0.1;
     if (static_cast<int>(cells.size()) < std::max(min_cells_, 3)) return std::nullopt;
     const auto every_nth = [&](std::size_t count) {
-      Cells some;
       const double step = std::max(1.0, static_cast<double>(cells.size()) / static_cast<double>(count));
-      for (double i = 0.5 * step; i < static_cast<double>(cells.size()); i += step)
-        some.push_back(cells[static_cast<std::size_t>(i)]);
+      Cells some(std::min(count, cells.size()));
+      for (std::size_t i = 0; i < some.size(); ++i)
+        some[i] = cells[static_cast<std::size_t>((static_cast<double>(i) + 0.5) * step)];
       return some;
     };
-    const Cells voters = every_nth(400);
-    std::vector<float> z;
-    for (const int cell : voters) z.push_back(grid_.z_mm[cell]);
-    std::vector<float> by_z = z;
+    const auto [voter_x, voter_y, voter_z] = places_of(every_nth(400));
+    std::vector<float> by_z = voter_z;
     std::nth_element(by_z.begin(), by_z.begin() + static_cast<std::ptrdiff_t>(by_z.size() / 2), by_z.end());
     // Wide enough for the waves that a stereo camera sees on a flat table, about 1 % of the distance.
     const float threshold = std::clamp(0.01f * by_z[by_z.size() / 2], 3.0f, 50.0f);
 
-    std::vector<float> x, y;  // of the voters, as their z
-    for (const int cell : voters) {
-      x.push_back(grid_.z_mm[cell] * grid_.ray_x[cell % grid_.width]);
-      y.push_back(grid_.z_mm[cell] * grid_.ray_y[cell / grid_.width]);
-    }
-    const auto votes_for = [&](const FlatSurface& plane) {
+    const std::size_t voters = voter_z.size();
+    const auto votes_for = [&, x = voter_x.data(), y = voter_y.data(), z = voter_z.data()](const FlatSurface& plane) {
       const float tolerance = threshold * plane.q.norm();
       const float qx = plane.q.x(), qy = plane.q.y(), qz = plane.q.z();
       int votes = 0;
-      for (std::size_t i = 0; i < x.size(); ++i) votes += std::abs(1 - (qx * x[i] + qy * y[i] + qz * z[i])) < tolerance;
+      for (std::size_t i = 0; i < voters; ++i) votes += std::abs(1 - z[i] * (qx * x[i] + qy * y[i] + qz)) < tolerance;
       return votes;
     };
     Random random(1);
@@ -263,19 +277,14 @@ class Splitter {
       if (votes <= most_votes) continue;
       most_votes = votes;
       best = plane;
-      const double all_on_it = std::pow(static_cast<double>(votes) / static_cast<double>(voters.size()), 3);
+      const double all_on_it = std::pow(static_cast<double>(votes) / static_cast<double>(voters), 3);
       if (all_on_it > 0.999) break;
       enough = std::min<int>(most_draws, static_cast<int>(std::log(1e-6) / std::log(1 - all_on_it)) + 1);
     }
-    if (most_votes < smallest_share * static_cast<double>(voters.size())) return std::nullopt;
+    if (most_votes < smallest_share * static_cast<double>(voters)) return std::nullopt;
 
-    const Cells some = every_nth(6000);
-    std::vector<float> ray_x, ray_y, depths_mm;
-    for (const int cell : some) {
-      ray_x.push_back(grid_.ray_x[cell % grid_.width]);
-      ray_y.push_back(grid_.ray_y[cell / grid_.width]);
-      depths_mm.push_back(grid_.z_mm[cell]);
-    }
+    const Places some = places_of(every_nth(6000));
+    const std::size_t count = some.z_mm.size();
     float squared = 0;
     double fourth_powers = 0;  // of the depths
     int on_it = 0;
@@ -288,11 +297,11 @@ class Splitter {
       on_it = 0;
 #pragma omp simd reduction(+ : xx, xy, yy, x_sum, y_sum, x_inverse, y_inverse, inverse_sum) \
     reduction(+ : squared, fourth_powers, on_it)
-      for (std::size_t i = 0; i < some.size(); ++i) {
-        const float z_mm = depths_mm[i];
-        const float height = (1 - z_mm * (qx * ray_x[i] + qy * ray_y[i] + qz)) * per_norm;
+      for (std::size_t i = 0; i < count; ++i) {
+        const float z_mm = some.z_mm[i];
+        const float height = (1 - z_mm * (qx * some.ray_x[i] + qy * some.ray_y[i] + qz)) * per_norm;
         const float counts = std::abs(height) < threshold ? 1.0f : 0.0f;
-        const double x = ray_x[i], y = ray_y[i], weight = counts, inverse = weight / z_mm;
+        const double x = some.ray_x[i], y = some.ray_y[i], weight = counts, inverse = weight / z_mm;
         xx += weight * x * x, xy += weight * x * y, yy += weight * y * y;
         x_sum += weight * x, y_sum += weight * y;
         x_inverse += x * inverse, y_inverse += y * inverse, inverse_sum += inverse;
@@ -307,7 +316,7 @@ class Splitter {
       if (!q.allFinite() || !(q.norm() > 0)) break;
       best.q = q.cast<float>();
     }
-    if (on_it < smallest_share * static_cast<double>(some.size())) return std::nullopt;
+    if (on_it < smallest_share * static_cast<double>(count)) return std::nullopt;
     best.rms_mm = std::sqrt(squared / static_cast<float>(std::max(on_it, 1)));
     const auto at_mm = static_cast<float>(std::pow(fourth_powers / std::max(on_it, 1), 0.25));
     if (!is_too_large(every_nth(2000))) return CutPlane{best, std::clamp(3 * best.rms_mm, 1.5f, threshold), at_mm};
@@ -321,23 +330,34 @@ class Splitter {
     constexpr int terms = FlatSurface::terms, lanes = Lanes::count;
     using Products = RowProducts<float, terms + 1>;
     using Row = std::array<Lanes, terms + 1>;  // eight cells' powers, and their heights
-    std::vector<Row> rows;
-    std::size_t count = 0;
+    auto [x, y, z_mm] = places_of(cells);
+    std::vector<float> height(x.size());
     const float per_mm = 1 / plane.q.norm();
-    for (const int cell : cells) {
-      const Eigen::Vector3f ray = grid_.ray(cell);
-      const float h = (1 - grid_.z_mm[cell] * plane.q.dot(ray)) * per_mm;
-      if (std::abs(h) >= 1.5f * threshold) continue;
-      const std::size_t lane = count++ % lanes;
-      if (lane == 0) {
-        rows.push_back(Row{});
-        std::fill_n(rows.back()[terms].value, lanes, FrameWindow::not_table_mm);
-      }
-      const auto x = powers(ray);
-      for (int k = 0; k < terms; ++k) rows.back()[k].value[lane] = x[k];
-      rows.back()[terms].value[lane] = h;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const float h = (1 - z_mm[i] * (plane.q.x() * x[i] + plane.q.y() * y[i] + plane.q.z())) * per_mm;
+      x[count] = x[i], y[count] = y[i], height[count] = h;
+      count += std::abs(h) < 1.5f * threshold;
     }
     if (count < 20 * terms) return;
+    std::vector<Row> rows((count + lanes - 1) / lanes);
+    height.resize(rows.size() * lanes);
+    std::fill(height.begin() + static_cast<std::ptrdiff_t>(count), height.end(), FrameWindow::not_table_mm);
+    x.resize(height.size()), y.resize(height.size());
+    for (std::size_t g = 0; g < rows.size(); ++g) {
+      const float *ray_x = &x[g * lanes], *ray_y = &y[g * lanes];
+      Lanes power_of_y;
+      std::fill_n(power_of_y.value, lanes, 1.0f);
+      for (int j = 0, k = 0; j <= FlatSurface::degree; ++j) {
+        Lanes power = power_of_y;
+        for (int i = 0; i + j <= FlatSurface::degree; ++i, ++k) {
+          rows[g][k] = power;
+          for (int lane = 0; lane < lanes; ++lane) power.value[lane] *= ray_x[lane];
+        }
+        for (int lane = 0; lane < lanes; ++lane) power_of_y.value[lane] *= ray_y[lane];
+      }
+      std::copy_n(&height[g * lanes], lanes, rows[g][terms].value);
+    }
     float scale = threshold;
     Eigen::Matrix<float, terms, 1> solution = Eigen::Matrix<float, terms, 1>::Zero();
     for (int round = 0; round < 4; ++round) {
@@ -374,57 +394,67 @@ class Splitter {
     plane.rms_mm *= 1.15f;
   }
 
-  /// Calls `take(cell, height_mm)` for each of the cells.
-  template <typename Take>
-  void for_heights(const CutPlane& cut, const Cells& cells, const Take& take) const {
-    std::vector<float> of_row(grid_.width);
+  /// Over the plane: of each of the cells in `height_mm_`.
+  void find_heights(const CutPlane& cut, const Cells& cells) {
     for (std::size_t i = 0; i < cells.size();) {
-      const int row = cells[i] / grid_.width, first = row * grid_.width, next = first + grid_.width;
-      const std::size_t end = std::lower_bound(cells.begin() + i, cells.end(), next) - cells.begin();
-      // Of all cells from the row's first to its last, side by side: mostly these are all.
-      const int from = cells[i] - first, count = cells[end - 1] - cells[i] + 1;
-      RowHeights(cut.plane, grid_.ray_y[row])(&grid_.ray_x[from], &grid_.z_mm[cells[i]], &of_row[from], count);
-      for (; i < end; ++i) take(cells[i], of_row[cells[i] - first]);
+      const int row = cells[i] / grid_.width, first = cells[i], next = (row + 1) * grid_.width;
+      const auto from = cells.begin() + i, most = cells.begin() + std::min<std::size_t>(i + next - first, cells.size());
+      const auto end = std::lower_bound(from, most, next);
+      // All cells from the row's first to its last, side by side: mostly these are all.
+      RowHeights(cut.plane, grid_.ray_y[row])(&grid_.ray_x[first - row * grid_.width], &grid_.z_mm[first],
+                                              &height_mm_[first], end[-1] - first + 1);
+      i += end - from;
     }
   }
 
-  std::vector<float> heights_mm(const CutPlane& cut, const Cells& cells) const {
-    std::vector<float> out;
-    out.reserve(cells.size());
-    for_heights(cut, cells, [&](int, float height) { out.push_back(height); });
+  /// In the order of the cells.
+  std::vector<float> heights_mm(const CutPlane& cut, const Cells& cells) {
+    find_heights(cut, cells);
+    std::vector<float> out(cells.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) out[i] = height_mm_[cells[i]];
     return out;
+  }
+
+  /// Those of whose `height_mm_` it holds. Without branches: they would be taken at random.
+  template <typename Holds>
+  Cells selected(const Cells& cells, const Holds& holds) const {
+    Cells out(cells.size());
+    std::size_t count = 0;
+    for (const int cell : cells) {
+      out[count] = cell;
+      count += holds(height_mm_[cell]);
+    }
+    out.resize(count);
+    return out;
+  }
+  Cells farther(const Cells& cells, float limit_mm) const {
+    return selected(cells, [=](float height_mm) { return std::abs(height_mm) > limit_mm; });
   }
 
   /// Objects on a table lie on the camera's side of its plane; where the dominant plane is a part's own face, the rest
   /// of the part lies behind it.
-  bool stands_on_table(const Cells& cells) const {
+  bool stands_on_table(const Cells& cells) {
     int before = 0, behind = 0;
-    for_heights(*table, cells, [&](int, float height) {
+    for (const float height : heights_mm(*table, cells)) {
       before += height > table->cut_mm;
       behind += height < -table->cut_mm;
-    });
+    }
     return before > 3 * behind;
   }
 
   /// The plane is the table, the wall or the floor. What is left falls into pieces; those too large to be a part have a
   /// plane of their own taken away.
   void remove_plane_and_split(const Cells& cells, const CutPlane& plane, int level) {
-    Cells remaining, high;
-    for_heights(plane, cells, [&](int cell, float height) {
-      if (!(std::abs(height) > plane.cut_mm)) return;
-      remaining.push_back(cell);
-      if (level == 0 && std::abs(height) > stands_out_cuts * plane.cut_mm) high.push_back(cell);
-    });
+    find_heights(plane, cells);
+    Cells remaining = farther(cells, plane.cut_mm);
     const std::size_t on_it = cells.size() - remaining.size();
-    if (level == 0) keep_near(remaining, high);
+    if (level == 0) keep_near(remaining, farther(remaining, stands_out_cuts * plane.cut_mm));
     // Taken away wherever it shows, also through a part's holes.
     split(remaining, plane, level);
     if (level == 0 && static_cast<double>(on_it) > 0.6 * static_cast<double>(cells.size())) return;
     // A lesser plane may hold a part's face by chance: once more, and only what is larger than a part is taken away.
-    Cells on_plane;
-    for_heights(plane, cells, [&](int cell, float height) {
-      if (!(std::abs(height) > plane.cut_mm)) on_plane.push_back(cell);
-    });
+    find_heights(plane, cells);
+    const Cells on_plane = selected(cells, [&](float height_mm) { return !(std::abs(height_mm) > plane.cut_mm); });
     const std::size_t without_patches = remaining.size();
     for (const auto& patch : connected(on_plane))
       if (!is_too_large(patch)) remaining.insert(remaining.end(), patch.begin(), patch.end());
@@ -447,7 +477,7 @@ class Splitter {
     std::erase_if(cells, [&](int cell) { return !near[cell]; });
   }
 
-  bool lies_on(const Cells& cells, const CutPlane& plane) const {
+  bool lies_on(const Cells& cells, const CutPlane& plane) {
     constexpr double least_share = 0.7;
     const std::vector<float> height = heights_mm(plane, cells);
     const auto on_it =
@@ -480,7 +510,7 @@ class Splitter {
   }
 
   /// Not just a wave of the plane that was taken away beside it, and not what is seen beyond a table's edge.
-  bool stands_out(const Cells& cells, const CutPlane& plane, int level) const {
+  bool stands_out(const Cells& cells, const CutPlane& plane, int level) {
     std::vector<float> height = heights_mm(plane, cells);
     const auto middle = height.begin() + static_cast<std::ptrdiff_t>(height.size() / 2);
     std::nth_element(height.begin(), middle, height.end());
@@ -544,8 +574,18 @@ class Splitter {
   const Intrinsics& camera_;
   const FramePiecesOptions& options_;
   int min_cells_ = 8;
-  std::vector<int> number_;  ///< for connected(): of the cells in question, else -1
+  std::vector<float> height_mm_;  ///< over a plane: of the cells in question
+  std::vector<int> number_;       ///< for connected(): of the cells in question, else -1
 };
+
+FrameObject together(const FrameObject& a, const FrameObject& b) {
+  FrameObject out;
+  out.labels = a.labels | b.labels;
+  out.u0 = std::min(a.u0, b.u0), out.v0 = std::min(a.v0, b.v0);
+  out.u1 = std::max(a.u1, b.u1), out.v1 = std::max(a.v1, b.v1);
+  out.pixels = a.pixels + b.pixels;
+  return out;
+}
 
 /// Labels the pixels by the cells: as the cell beside a pixel, where their depths are near and the pixel is off the
 /// plane.
@@ -567,23 +607,44 @@ class PixelLabels {
       cu0 = std::min(cu0, cell % grid_.width), cu1 = std::max(cu1, cell % grid_.width);
       cv0 = std::min(cv0, cell / grid_.width), cv1 = std::max(cv1, cell / grid_.width);
     }
-    const DepthImage& depth = *frame_.depth;
     const int s = grid_.stride;
     const auto label = static_cast<std::uint8_t>(FramePieces::first_piece + k);
     FrameObject object;
     object.labels.set(label);
-    object.larger_than_a_part = piece.larger_than_a_part;
+    const DepthImage& depth = *frame_.depth;
     object.u0 = depth.width, object.v0 = depth.height;
+    const int u0 = std::max(0, (cu0 - 1) * s + 1), u1 = std::min(depth.width, (cu1 + 1) * s);
+    const int v0 = std::max(0, (cv0 - 1) * s + 1), v1 = std::min(depth.height, (cv1 + 1) * s);
+    std::mutex one_at_a_time;
+    constexpr int rows_at_once = 32;
+    parallel_ranges(
+        static_cast<std::size_t>(std::max(v1 - v0, 0)),
+        [&](std::size_t begin, std::size_t end) {
+          const int first = v0 + static_cast<int>(begin), last = v0 + static_cast<int>(end);
+          const FrameObject some = label_rows(label, piece.plane, first, last, u0, u1);
+          const std::lock_guard lock(one_at_a_time);
+          object = together(object, some);
+        },
+        rows_at_once);
+    object.larger_than_a_part = piece.larger_than_a_part;
+    if (object.pixels > 0) frame_.objects.push_back(object);
+  }
+
+  /// Of the rows [v0, v1), the columns [u0, u1): what of them is the piece's.
+  FrameObject label_rows(std::uint8_t label, const CutPlane& cut, int v0, int v1, int u0, int u1) {
+    const DepthImage& depth = *frame_.depth;
+    const int s = grid_.stride;
     const auto fx = static_cast<float>(1 / frame_.camera.fx), fy = static_cast<float>(1 / frame_.camera.fy);
     const auto cx = static_cast<float>(frame_.camera.cx), cy = static_cast<float>(frame_.camera.cy);
-    const int first_u = std::max(0, (cu0 - 1) * s + 1), end_u = std::min(depth.width, (cu1 + 1) * s);
-    for (int v = std::max(0, (cv0 - 1) * s + 1); v < std::min(depth.height, (cv1 + 1) * s); ++v) {
-      const RowHeights height(piece.plane.plane, (static_cast<float>(v) - cy) * fy);
+    FrameObject object;
+    object.u0 = depth.width, object.v0 = depth.height;
+    for (int v = v0; v < v1; ++v) {
+      const RowHeights height(cut.plane, (static_cast<float>(v) - cy) * fy);
       const std::size_t row = static_cast<std::size_t>(v) * depth.width;
       // The cells before and behind a pixel, above and below it; the same one twice where the pixel is a cell.
       const std::size_t above = static_cast<std::size_t>(v / s) * grid_.width;
       const std::size_t below = v % s != 0 && v / s + 1 < grid_.height ? above + grid_.width : above;
-      for (int u = first_u, cu = first_u / s, off = first_u % s; u < end_u; ++u) {
+      for (int u = u0, cu = u0 / s, off = u0 % s; u < u1; ++u) {
         const int beside = off != 0 && cu + 1 < grid_.width ? cu + 1 : cu;
         const float z = depth.z_mm[row + u];
         const auto is_near = [&](std::size_t cell) {
@@ -591,7 +652,7 @@ class PixelLabels {
         };
         if (z > 0 && frame_.label[row + u] == FramePieces::background &&
             (is_near(above + cu) || is_near(above + beside) || is_near(below + cu) || is_near(below + beside)) &&
-            std::abs(height((static_cast<float>(u) - cx) * fx, z)) > piece.plane.cut_mm) {
+            std::abs(height((static_cast<float>(u) - cx) * fx, z)) > cut.cut_mm) {
           frame_.label[row + u] = label;
           ++object.pixels;
           object.u0 = std::min(object.u0, u), object.u1 = std::max(object.u1, u);
@@ -600,7 +661,7 @@ class PixelLabels {
         if (++off == s) off = 0, ++cu;
       }
     }
-    if (object.pixels > 0) frame_.objects.push_back(object);
+    return object;
   }
 
   FramePieces& frame_;
@@ -608,15 +669,6 @@ class PixelLabels {
   const Splitter& splitter_;
   std::vector<std::uint8_t> cell_label_;
 };
-
-FrameObject together(const FrameObject& a, const FrameObject& b) {
-  FrameObject out;
-  out.labels = a.labels | b.labels;
-  out.u0 = std::min(a.u0, b.u0), out.v0 = std::min(a.v0, b.v0);
-  out.u1 = std::max(a.u1, b.u1), out.v1 = std::max(a.v1, b.v1);
-  out.pixels = a.pixels + b.pixels;
-  return out;
-}
 
 /// Pairs of pieces that nearly touch in the image and are together no larger than a part, and larger groups of such.
 void add_groups(FramePieces& frame, const Splitter& splitter, const Grid& grid, const FramePiecesOptions& options) {
@@ -687,7 +739,7 @@ std::array<float, FlatSurface::degree + 1> FlatSurface::bend_along_x(float ray_y
 float FlatSurface::most_bend_mm(const Intrinsics& camera) const {
   const double x = std::max(camera.cx, camera.width - camera.cx) / camera.fx;
   const double y = std::max(camera.cy, camera.height - camera.cy) / camera.fy;
-  const auto power = powers({static_cast<float>(x), static_cast<float>(y), 1});
+  const auto power = powers(static_cast<float>(x), static_cast<float>(y));
   float sum = 0;
   for (int k = 0; k < terms; ++k) sum += std::abs(bend_mm[k]) * power[k];
   return sum;
@@ -703,15 +755,22 @@ FramePieces split_frame(const DepthImage& depth, const Intrinsics& camera, const
   frame.camera = camera;
   frame.label.resize(depth.z_mm.size());
   static_assert(FramePieces::not_measured == 0 && FramePieces::background == 1);
-  const float* z_mm = depth.z_mm.data();
-  std::uint8_t* label = frame.label.data();
-  int measured = 0;
+  std::atomic<int> measured_pixels = 0;
+  parallel_ranges(
+      depth.z_mm.size(),
+      [&](std::size_t begin, std::size_t end) {
+        const float* z_mm = depth.z_mm.data();
+        std::uint8_t* label = frame.label.data();
+        int measured = 0;
 #pragma omp simd reduction(+ : measured)
-  for (std::size_t p = 0; p < depth.z_mm.size(); ++p) {
-    label[p] = z_mm[p] > 0;
-    measured += z_mm[p] > 0;
-  }
-  frame.measured_pixels = measured;
+        for (std::size_t p = begin; p < end; ++p) {
+          label[p] = z_mm[p] > 0;
+          measured += z_mm[p] > 0;
+        }
+        measured_pixels += measured;
+      },
+      100'000);
+  frame.measured_pixels = measured_pixels;
   if (depth.z_mm.empty()) return frame;
 
   const Grid grid(depth, camera);

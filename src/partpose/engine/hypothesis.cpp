@@ -297,13 +297,17 @@ std::vector<Hypothesis> shortlist(std::span<const PartModel* const> models, cons
   const int small_per_part = places * std::max(16, 1200 / std::max(parts, 1));
   const int small_kept = options.every_part ? parts * small_per_part : places * std::max(1000, 400 * before);
   std::vector<Look> looks = best_looks(models, turned, small_per_part, small_kept);
-  for (Look& look : looks) {
-    const PartModel& model = *models[look.part];
-    const TurnedTemplates& templates = turned.at(model.scale.cell_mm)[look.place];
-    look.cost = templates.beyond_mm2 + cost_of_step(model.scale) / templates.known *
-                                           static_cast<float>(capped_difference(
-                                               model.templates[look.view], templates.full[look.roll], model.scale.cap));
-  }
+  constexpr std::size_t looks_at_once = 256;
+  parallel_for(
+      looks.size(),
+      [&](std::size_t i) {
+        Look& look = looks[i];
+        const PartModel& model = *models[look.part];
+        const TurnedTemplates& templates = turned.at(model.scale.cell_mm)[look.place];
+        const int steps = capped_difference(model.templates[look.view], templates.full[look.roll], model.scale.cap);
+        look.cost = templates.beyond_mm2 + cost_of_step(model.scale) / templates.known * static_cast<float>(steps);
+      },
+      looks_at_once);
   std::sort(looks.begin(), looks.end());
 
   const int kept = options.every_part ? 0 : 60 * places * before;

@@ -17,8 +17,9 @@ namespace partpose {
 /// A part at a pose, with a cost by which hypotheses of one stage are compared: the lower the better.
 struct Hypothesis {
   int part = -1, view = -1;
-  int seed = -1;         ///< the place in the frame that the start is about, where it is about one
-  bool at_rest = false;  ///< on the table by itself: it only moves and turns on it
+  int seed = -1;               ///< the place in the frame that the start is about, where it is about one
+  std::size_t comparison = 0;  ///< of its rendering with the frame, where the stage keeps them: which one
+  bool at_rest = false;        ///< on the table by itself: it only moves and turns on it
   double cost = 0;
   double left_mm = 0;                                       ///< mean distance of the object's points, each to a limit
   double template_cost = 0;                                 ///< mean difference of the template's cells, in caps
@@ -97,8 +98,8 @@ std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const
 std::vector<Hypothesis> best_turns(const Hypothesis& hypothesis, const PartModel& model, const ObjectView& view,
                                    std::size_t most);
 
-/// Other parts whose boxes are about that of the hypothesis', their edges up to `most_difference` diameters, laid into it
-/// in each way in which they fit: a mirror twin is not found where its brother is like it, nor the right one of many
+/// Other parts whose boxes are about that of the hypothesis', their edges up to `most_difference` diameters, laid into
+/// it in each way in which they fit: a mirror twin is not found where its brother is like it, nor the right one of many
 /// that are alike. Those that come nearest to the object's points, best first.
 std::vector<Hypothesis> in_place_of(const Hypothesis& hypothesis, std::span<const PartModel* const> models,
                                     const ObjectView& view, double most_difference);

@@ -23,53 +23,63 @@ struct PixelPairs {
     Lanes normal_x, normal_y, normal_z;        ///< there, over the cosine of incidence
     Lanes residual_mm = {1e9, 1e9, 1e9, 1e9};  ///< how far it lies before the measured point, along the line of sight
   };
+  std::size_t size = 0;
   std::vector<Group> groups;
-  std::vector<double> absolute_residuals_mm;
   Eigen::Vector3d sum_mm = Eigen::Vector3d::Zero();  ///< of the model points
 
-  void add(const Eigen::Vector3d& model_mm, const Eigen::Vector3d& normal, double residual_mm) {
-    const std::size_t i = absolute_residuals_mm.size() % Lanes::count;
-    if (i == 0) groups.emplace_back();
-    Group& group = groups.back();
-    group.x_mm.value[i] = model_mm.x(), group.y_mm.value[i] = model_mm.y(), group.z_mm.value[i] = model_mm.z();
-    group.normal_x.value[i] = normal.x(), group.normal_y.value[i] = normal.y(), group.normal_z.value[i] = normal.z();
-    group.residual_mm.value[i] = residual_mm;
-    absolute_residuals_mm.push_back(std::abs(residual_mm));
-    sum_mm += model_mm;
+  /// Of the residuals' absolute values. Of many some tell.
+  double median_residual_mm() const {
+    constexpr std::size_t enough = 500;
+    const std::size_t step = std::max<std::size_t>(1, size / enough);
+    std::vector<double> some;
+    some.reserve(size / step + 1);
+    for (std::size_t i = 0; i < size; i += step)
+      some.push_back(std::abs(groups[i / Lanes::count].residual_mm.value[i % Lanes::count]));
+    const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
+    std::nth_element(some.begin(), middle, some.end());
+    return *middle;
   }
-  std::size_t size() const { return absolute_residuals_mm.size(); }
 };
 
 PixelPairs pair_pixels(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model, const DepthImage& depth,
                        const Intrinsics& camera, const ProjectiveRefinementOptions& options, bool along_sight) {
   const Rendering rendering = render(mesh, camera_from_model, camera, options.faces);
+  const std::vector<float>&model_z = rendering.depth.z_mm, &measured_z = depth.z_mm;
   PixelPairs pairs;
-  int seen = -1;
+  std::vector<int> pixels(measured_z.size());
+  for (std::size_t p = 0; p < pixels.size(); ++p) {  // without branches: they would be taken at random
+    pixels[pairs.size] = static_cast<int>(p);
+    pairs.size += static_cast<std::size_t>((model_z[p] > 0) & (measured_z[p] > 0) &
+                                           (std::abs(model_z[p] - measured_z[p]) <= options.gate_mm));
+  }
+  pairs.groups.resize((pairs.size + Lanes::count - 1) / Lanes::count);
+  const double per_fx = 1 / camera.fx, per_fy = 1 / camera.fy;
+  int seen = -1, v = 0;
   Eigen::Vector3d normal;  // of the triangle seen
-  for (int v = 0; v < depth.height; ++v) {
-    const std::size_t row = static_cast<std::size_t>(v) * depth.width;
-    for (int u = 0; u < depth.width; ++u) {
-      const float model_z = rendering.depth.z_mm[row + u], measured_z = depth.z_mm[row + u];
-      if (!(model_z > 0) || !(measured_z > 0) || std::abs(model_z - measured_z) > options.gate_mm) continue;
-      if (rendering.triangle[row + u] != seen) {
-        seen = rendering.triangle[row + u];
-        normal = camera_from_model.linear() * mesh.face_normal(seen).cast<double>();
-      }
-      const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
-      // The noise is that of the depth, the same at any slant: as far as the slant itself is known.
-      constexpr double least_incidence = 0.2;
-      const double incidence = normal.dot(ray);
-      const double factor = along_sight ? 1 / std::max(std::abs(incidence), least_incidence) : 1;
-      pairs.add(model_z * ray, factor * normal, factor * (double{model_z} - measured_z) * incidence);
+  for (std::size_t i = 0; i < pairs.size; ++i) {
+    const int p = pixels[i];
+    while (p >= (v + 1) * depth.width) ++v;
+    const int u = p - v * depth.width;
+    if (rendering.triangle[p] != seen) {
+      seen = rendering.triangle[p];
+      normal = camera_from_model.linear() * mesh.face_normal(seen).cast<double>();
     }
+    const double z_mm = model_z[p];
+    const Eigen::Vector3d ray((u - camera.cx) * per_fx, (v - camera.cy) * per_fy, 1), point_mm = z_mm * ray;
+    // The noise is that of the depth, the same at any slant: as far as the slant itself is known.
+    constexpr double least_incidence = 0.2;
+    const double incidence = normal.dot(ray);
+    const double factor = along_sight ? 1 / std::max(std::abs(incidence), least_incidence) : 1;
+    PixelPairs::Group& group = pairs.groups[i / Lanes::count];
+    const std::size_t lane = i % Lanes::count;
+    group.x_mm.value[lane] = point_mm.x(), group.y_mm.value[lane] = point_mm.y(), group.z_mm.value[lane] = z_mm;
+    group.normal_x.value[lane] = factor * normal.x();
+    group.normal_y.value[lane] = factor * normal.y();
+    group.normal_z.value[lane] = factor * normal.z();
+    group.residual_mm.value[lane] = factor * (z_mm - measured_z[p]) * incidence;
+    pairs.sum_mm += point_mm;
   }
   return pairs;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 NormalEquations normal_equations(const PixelPairs& pairs, const Eigen::Vector3d& centre_mm, double limit_mm,
@@ -119,12 +129,12 @@ ProjectiveRefinement refine_projectively(const TriangleMesh& mesh, const Eigen::
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     // Far from the end what lies at a slant is far away along the line of sight, and would pass for outliers.
     const bool along_sight = iteration > 0;
-    PixelPairs pairs = pair_pixels(mesh, out.camera_from_model, depth, camera, options, along_sight);
-    out.pixels = static_cast<int>(pairs.size());
-    if (pairs.size() < 20) break;
-    const Eigen::Vector3d centre = pairs.sum_mm / static_cast<double>(pairs.size());
+    const PixelPairs pairs = pair_pixels(mesh, out.camera_from_model, depth, camera, options, along_sight);
+    out.pixels = static_cast<int>(pairs.size);
+    if (pairs.size < 20) break;
+    const Eigen::Vector3d centre = pairs.sum_mm / static_cast<double>(pairs.size);
     // 1.4826 times the median is the standard deviation of normal noise; 4.685 deviations are Tukey's limit.
-    const double limit = 4.685 * std::max(1.4826 * median(pairs.absolute_residuals_mm), 0.05);
+    const double limit = 4.685 * std::max(1.4826 * pairs.median_residual_mm(), 0.05);
     double squared = 0;
     const NormalEquations equations = normal_equations(pairs, centre, limit, squared);
     if (!(equations.weight > 0)) break;
