@@ -357,11 +357,29 @@ class Separation {
     }
   }
 
-  /// Searches what is left until nothing good is found.
-  std::vector<SeparatedPart> search() && {
-    constexpr int most_rounds = 6;
-    for (int k = 0; k < most_rounds && next_label_ < last_label && round(); ++k) {
+  /// Those that explain something of the rest are looked for again, with all that they explain. On all of them others
+  /// may lie.
+  void take(std::span<const KnownPart> known) {
+    constexpr int least_pixels = 60;
+    const FrameObject rest = all_of(frame_, labels_);
+    if (rest.pixels == 0) return;
+    set_noise(ObjectView(frame_, rest));
+    for (const auto& [hypothesis, labels] : known) {
+      const auto explained = explained_by(hypothesis);
+      if (static_cast<int>(explained.size()) >= least_pixels) {
+        labels_ |= labels;
+        starts_.push_back(hypothesis);
+      } else {
+        known_.push_back(hypothesis);
+      }
     }
+  }
+
+  /// Searches what is left until nothing good is found: beside a part that is sure also at more places.
+  std::vector<SeparatedPart> search() && {
+    constexpr int most_rounds = 6, more_places = 3;
+    for (int k = 0; k < most_rounds && next_label_ < last_label; ++k)
+      if (!round(1) && (!is_any_sure() || !round(more_places))) break;
     return std::move(*this).sure_parts();
   }
 
@@ -389,7 +407,9 @@ class Separation {
   static constexpr int last_label = 250;
   static constexpr int wanted_pixels = 800, outline_px = 3, ring_px = 4, beyond_px = 24, far_beyond_px = 60;
 
-  bool round() {
+  /// `density`: of the places that are looked at. Among many starts a wrong one is sooner good.
+  bool round(int density) {
+    most_no_outline_ = density > 1 ? 0.15 : 0.25;
     const FrameObject rest = all_of(frame_, labels_);
     constexpr int least_pixels = 120;
     constexpr double least_share = 0.05;  // of the square of the diameter: what a slender part shows when half hidden
@@ -400,9 +420,12 @@ class Separation {
     set_noise(view);
     // About four places on each part, if all are as small as the smallest.
     constexpr double share_of_place = 0.07;  // of the square of the diameter
-    const int places = std::clamp(static_cast<int>(rest.pixels / (share_of_place * smallest_px * smallest_px)), 8, 32);
-    std::vector<Trial> trials =
-        trials_of(anchored_hypotheses(models_, frame_, rest, {.most_seeds = places, .every_part = true}), rest);
+    const double parts = rest.pixels / (share_of_place * smallest_px * smallest_px);
+    const int places = density * std::clamp(static_cast<int>(parts), 8, 32);
+    std::vector<Hypothesis> hypotheses =
+        anchored_hypotheses(models_, frame_, rest, {.most_seeds = places, .every_part = true});
+    hypotheses.insert(hypotheses.end(), starts_.begin(), starts_.end());
+    std::vector<Trial> trials = trials_of(hypotheses, rest);
     if (accept(trials, rest)) return true;
     // What lies before a part and is not explained may be another one that hides it. So it may before a wrong pose
     // beneath the surface: only where nothing else is left to be found.
@@ -544,14 +567,14 @@ class Separation {
   }
 
   bool is_good(const Trial& trial) const {
-    constexpr double least_score = 0.5, least_seen = 0.3, most_conflicts = 0.1, most_no_outline = 0.25;
+    constexpr double least_score = 0.5, least_seen = 0.3, most_conflicts = 0.1;
     const DepthComparison& c = trial.comparison;
     return c.explained > least_seen * c.model && trial.conflicts < most_conflicts * c.model &&
-           trial.no_outline < most_no_outline * trial.outline && probability(trial) > least_score;
+           trial.no_outline < most_no_outline_ * trial.outline && probability(trial) > least_score;
   }
 
-  /// Gives what the part explains a label of its own.
-  void claim(const Hypothesis& h) {
+  /// The pixels of the rest that the part explains.
+  std::vector<std::size_t> explained_by(const Hypothesis& h) const {
     const PartModel& model = *models_[h.part];
     FrameObject rest;
     rest.labels = labels_;
@@ -559,7 +582,7 @@ class Separation {
     const DepthImage rendered =
         render_depth(model.surface, h.camera_from_model, window.frame.camera, model.surface.faces);
     const auto limit_mm = static_cast<float>(4 * noise_at(h));
-    std::array<int, 256> from{};
+    std::vector<std::size_t> out;
     for (int v = 0; v < rendered.height; ++v)
       for (int u = 0; u < rendered.width; ++u) {
         if (window.frame.label[static_cast<std::size_t>(v) * rendered.width + u] != PixelLabel::object) continue;
@@ -568,20 +591,25 @@ class Separation {
         for (int vv = std::max(v - outline_px, 0); vv <= std::min(v + outline_px, rendered.height - 1); ++vv)
           for (int uu = std::max(u - outline_px, 0); uu <= std::min(u + outline_px, rendered.width - 1); ++uu)
             explained |= rendered.at(uu, vv) > 0 && std::abs(rendered.at(uu, vv) - z) < limit_mm;
-        if (!explained) continue;
-        std::uint8_t& label =
-            frame_.label[static_cast<std::size_t>(window.v0 + v) * frame_.depth->width + window.u0 + u];
-        ++from[label];
-        label = static_cast<std::uint8_t>(next_label_);
+        if (explained) out.push_back(static_cast<std::size_t>(window.v0 + v) * frame_.depth->width + window.u0 + u);
       }
+    return out;
+  }
+
+  /// Gives what the part explains a label of its own.
+  void claim(const Hypothesis& h) {
+    std::array<int, 256> from{};
+    for (const std::size_t pixel : explained_by(h)) {
+      ++from[frame_.label[pixel]];
+      frame_.label[pixel] = static_cast<std::uint8_t>(next_label_);
+    }
     for (auto& object : frame_.objects)
       for (int label = 0; label < 256; ++label)
         if (from[label] > 0 && object.labels.test(label)) object.labels.set(next_label_);
     ++next_label_;
-    const int piece = static_cast<int>(std::max_element(from.begin(), from.end()) - from.begin());
-    explained_[piece] += from[piece];
-    piece_.push_back(piece);
-    claimed_.push_back(from[piece]);
+    for (int k = 0; k < 256; ++k) explained_[k] += from[k];
+    piece_.push_back(static_cast<int>(std::max_element(from.begin(), from.end()) - from.begin()));
+    claimed_.push_back(from);
   }
 
   double tolerance_mm(const Hypothesis& h) const { return touch_tolerance_mm(*models_[h.part], noise_at(h)); }
@@ -592,11 +620,12 @@ class Separation {
     if (sinks_into_table(frame_, *models_[h.part], h.camera_from_model, tolerances * tolerance_mm(h))) return false;
     const auto height_mm = height_above_table_mm(frame_, *models_[h.part], h.camera_from_model);
     if (!height_mm || *height_mm < tolerances * tolerance_mm(h)) return true;
-    return std::any_of(parts_.begin(), parts_.end(), [&](const SeparatedPart& part) {
-      const Hypothesis& other = part.hypotheses[0];
+    const auto holds = [&](const Hypothesis& other) {
       return touches(*models_[h.part], h.camera_from_model, *models_[other.part], other.camera_from_model,
                      tolerances * tolerance_mm(other));
-    });
+    };
+    return std::any_of(known_.begin(), known_.end(), holds) ||
+           std::any_of(parts_.begin(), parts_.end(), [&](const auto& part) { return holds(part.hypotheses[0]); });
   }
 
   /// What is left where a part's surface goes on beyond its outline is its: unexplained.
@@ -630,22 +659,30 @@ class Separation {
     std::bitset<256> large;
     for (const auto& object : frame_.objects)
       if (object.larger_than_a_part) large |= object.labels;
-    FrameObject rest;
-    rest.labels = labels_;
     std::array<int, 256> explained = explained_, count{};
     for (const int piece : piece_) ++count[piece];
     std::vector<bool> doubtful(parts_.size(), false);
+    // Nothing of the pieces that it has no pixel of.
+    const auto rest_of = [&](std::size_t i) {
+      FrameObject rest;
+      for (int k = 0; k < 256; ++k) {
+        if (claimed_[i][k] == 0) continue;
+        rest.labels[k] = labels_[k];
+        for (std::size_t other = 0; other < parts_.size(); ++other)
+          if (doubtful[other] && claimed_[other][k] > 0) rest.labels.set(first_label_ + other);
+      }
+      return rest;
+    };
     for (bool changed = true; changed;) {
       changed = false;
       for (std::size_t i = 0; i < parts_.size(); ++i) {
         const int piece = piece_[i];
         if (doubtful[i] ||
-            !is_doubtful(parts_[i].hypotheses[0], rest, static_cast<double>(explained[piece]) / pixels_[piece],
+            !is_doubtful(parts_[i].hypotheses[0], rest_of(i), static_cast<double>(explained[piece]) / pixels_[piece],
                          large.test(piece), count[piece] == 1))
           continue;
         doubtful[i] = changed = true;
-        rest.labels.set(first_label_ + i);
-        explained[piece] -= claimed_[i];
+        for (int k = 0; k < 256; ++k) explained[k] -= claimed_[i][k];
         --count[piece];
       }
     }
@@ -667,6 +704,11 @@ class Separation {
            share(now.covered, now.comparison.model) > most_covered;
   }
 
+  bool is_any_sure() const {
+    const std::vector<bool> doubtful = which_are_doubtful();
+    return std::count(doubtful.begin(), doubtful.end(), false) > 0;
+  }
+
   /// With their pixels, but for those in doubt.
   std::vector<SeparatedPart> sure_parts() && {
     const std::vector<bool> doubtful = which_are_doubtful();
@@ -680,11 +722,13 @@ class Separation {
   std::span<const PartModel* const> models_;
   FramePieces& frame_;
   std::bitset<256> labels_;
+  std::vector<Hypothesis> starts_, known_;
   std::vector<SeparatedPart> parts_;
   int first_label_ = 0, next_label_ = FramePieces::first_piece;
   std::array<int, 256> pixels_{}, explained_{};  ///< by the label of a piece
   std::vector<int> piece_;                       ///< of each part: the label that most of its pixels had
-  std::vector<int> claimed_;                     ///< of each part: so many
+  std::vector<std::array<int, 256>> claimed_;    ///< of each part: its pixels by the label that they had
+  double most_no_outline_ = 0.25;                ///< of a part that is good, of what lies beside its outline
   double noise_per_mm2_ = 1e-6, largest_mm_ = 0, smallest_mm_ = 1e9;
 };
 
@@ -764,8 +808,10 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
 }
 
 std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,
-                                    const std::bitset<256>& unexplained) {
-  return Separation(models, frame, unexplained).search();
+                                    const std::bitset<256>& unexplained, std::span<const KnownPart> known) {
+  Separation separation(models, frame, unexplained);
+  separation.take(known);
+  return std::move(separation).search();
 }
 
 std::vector<SeparatedPart> separate_known(std::span<const PartModel* const> models, FramePieces& frame,

@@ -201,6 +201,8 @@ struct Engine::Impl {
   void add_separated(std::vector<Target>& targets, std::vector<Target> separated) const;
   /// Whether a closer look may find a part, or another one. `beside_another`: of which the part is known.
   bool is_worth_a_search(const Target& target, bool beside_another) const;
+  /// Not less than a part shows when three quarters of it are hidden.
+  bool shows_enough(const Target& target) const;
   /// The models for a search that looks at every part; of a large catalogue only those heard, null for the others.
   std::vector<const PartModel*> models_to_search(const std::set<int>& heard) const;
   /// `one_part`: all of the object's points are expected on one part, so that what leaves more of them than another
@@ -434,7 +436,6 @@ std::vector<Target> Engine::Impl::examine_all(const FramePieces& frame, Explaine
 
 std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& targets, FramePieces& frame,
                                                         ExplainedLabels& labels, StageTimes& time) const {
-  std::set<int> heard;  // of what is weakly explained
   for (auto& target : targets) {
     const FrameObject& object = *target.view.object;
     if (!is_worth_a_search(target, labels.well.any()) || may_be_one_part(frame) || (object.labels & labels.well).any())
@@ -448,14 +449,26 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
     if (target.is_weak()) labels.weakly |= object.labels;
     if (target.best_score > Target::strong) labels.well |= object.labels;
   }
-  for (const auto& target : targets)
-    if ((target.view.object->labels & labels.weakly).any()) heard.insert(target.heard.begin(), target.heard.end());
+  // Beside what is weakly explained what is in doubt may have pixels of another part.
+  if ((labels.weakly & ~labels.well).any())
+    for (const auto& target : targets)
+      if (target.best_score < Target::strong && shows_enough(target)) labels.weakly |= target.view.object->labels;
+  std::set<int> heard;
+  std::vector<KnownPart> known;
+  for (const auto& target : targets) {
+    const FrameObject& object = *target.view.object;
+    if ((object.labels & labels.weakly).any()) heard.insert(target.heard.begin(), target.heard.end());
+    if (target.best_score > Target::strong) {
+      known.push_back({hypothesis_of(target.candidates[0]), object.labels});
+      heard.insert(known.back().hypothesis.part);
+    }
+  }
   std::erase_if(targets, [](const Target& target) { return target.candidates.empty(); });
   const std::bitset<256> unexplained = labels.weakly & ~labels.well;
   if (unexplained.none() || may_be_one_part(frame)) return {};
   if (frame.shadow_of.empty()) time("separation", [&] { find_shadows(frame); });
   std::vector<SeparatedPart> parts =
-      time("separation", [&] { return separate(models_to_search(heard), frame, unexplained); });
+      time("separation", [&] { return separate(models_to_search(heard), frame, unexplained, known); });
   add_separated(targets, targets_of(frame, parts, time));
   return parts;
 }
@@ -558,13 +571,16 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
 }
 
 bool Engine::Impl::is_worth_a_search(const Target& target, bool beside_another) const {
-  // Not what is less than a part shows when three quarters of it are hidden.
-  constexpr double least_share = 0.25;
-  const double px_per_mm = target.view.frame->camera.fx / target.view.all.centre_mm().z();
-  // Nor what is hardly higher than the table where all parts that are like it sink into that, or a part lies beside it:
+  // Not what is hardly higher than the table where all parts that are like it sink into that, or a part lies beside it:
   // mostly it is one of the table's waves.
   if ((target.candidates.empty() || beside_another) && lies_low(target.view)) return false;
-  return target.is_weak() && target.view.object->pixels >= least_share * smallest_view_mm2 * px_per_mm * px_per_mm;
+  return target.is_weak() && shows_enough(target);
+}
+
+bool Engine::Impl::shows_enough(const Target& target) const {
+  constexpr double least_share = 0.25;  // of what is seen of the smallest part
+  const double px_per_mm = target.view.frame->camera.fx / target.view.all.centre_mm().z();
+  return target.view.object->pixels >= least_share * smallest_view_mm2 * px_per_mm * px_per_mm;
 }
 
 std::vector<const PartModel*> Engine::Impl::models_to_search(const std::set<int>& heard) const {

@@ -477,8 +477,10 @@ class Splitter {
     std::erase_if(cells, [&](int cell) { return !near[cell]; });
   }
 
-  bool lies_on(const Cells& cells, const CutPlane& plane) {
-    constexpr double least_share = 0.7;
+  /// What lies in one plane nearly as a whole is another table, not parts that touch: of these one plane holds up to
+  /// 86 % by chance, of a floor or a shelf it held 94 % and more.
+  bool is_table(const Cells& cells, const CutPlane& plane) {
+    constexpr double least_share = 0.9;
     const std::vector<float> height = heights_mm(plane, cells);
     const auto on_it =
         std::count_if(height.begin(), height.end(), [&](float h) { return std::abs(h) <= plane.cut_mm; });
@@ -493,8 +495,7 @@ class Splitter {
         if (stands_out(piece, plane, level)) add({std::move(piece), plane});
       } else if (is_too_large(piece) && level + 1 < most_levels) {
         const auto next = dominant_plane(piece);
-        // What lies in one plane for the most part is another table, not parts that touch.
-        if (level == 0 && is_heap(piece) && !(next && lies_on(piece, *next))) {
+        if (level == 0 && is_heap(piece) && !(next && is_table(piece, *next))) {
           if (stands_out(piece, plane, level)) add({std::move(piece), plane, true});
         } else if (next) {
           remove_plane_and_split(piece, *next, level + 1);
