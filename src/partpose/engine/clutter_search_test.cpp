@@ -94,6 +94,59 @@ TEST_F(ClutterSearchTest, FindsEachOfThreePartsThatTouch) {
   EXPECT_EQ(r.detections.size(), 3u);
 }
 
+TEST_F(ClutterSearchTest, FindsFlatPartsSideBySide) {
+  Random random(8);
+  const TriangleMesh bracket = shapes::l_bracket();
+  const double length_mm = bounding_box(bracket).sizes().x();
+  TriangleMesh scene = table;
+  std::vector<Eigen::Isometry3d> poses;
+  for (int k = -1; k <= 1; ++k) {
+    poses.push_back(bracket_at(bracket, k * (length_mm + 0.3), 12 * k, 0));
+    scene = shapes::joined(scene, shapes::moved(bracket, poses.back()));
+  }
+  const Recognition r = engine->recognize(measured(scene, random), camera);
+  for (const auto& pose : poses) EXPECT_NE(found_near(r, 0, bracket, pose), nullptr) << pose.translation().transpose();
+  EXPECT_EQ(r.detections.size(), poses.size());
+}
+
+/// What is sure by one piece of it is what lies in the way of a neighbour in another.
+TEST_F(ClutterSearchTest, AKnownPartTakesItsPixelsOfOtherPieces) {
+  Random random(4);
+  const TriangleMesh bracket = shapes::l_bracket(), pin = shapes::cylinder(15, 70, 40);
+  const Eigen::Isometry3d first = bracket_at(bracket, -60, 0, 0);
+  const auto beside = static_cast<float>((first * bounding_box(bracket).max()).x());
+  Eigen::Isometry3d second = Eigen::Isometry3d::Identity();
+  second.translation() = Eigen::Vector3d(beside + 15.3, 0, -bounding_box(pin).min().z());
+  const TriangleMesh scene =
+      shapes::joined(shapes::joined(table, shapes::moved(bracket, first)), shapes::moved(pin, second));
+  const DepthImage depth = measured(scene, random);
+  FramePieces frame = split_frame(depth, camera, {.largest_part_mm = 90, .smallest_part_mm = 60});
+  const PartModel bracket_model(bracket), pin_model(pin);
+  const std::array<const PartModel*, 2> models = {&bracket_model, &pin_model};
+  // Half of the bracket is a piece of its own.
+  constexpr std::uint8_t own = 60, others = 61;
+  const Eigen::Isometry3d bracket_pose = camera_from_table() * first;
+  const int middle_u = static_cast<int>(camera.project(bracket_pose * bracket_model.middle_mm).x());
+  for (int p = 0; p < static_cast<int>(frame.label.size()); ++p)
+    if (frame.label[p] > FramePieces::background) frame.label[p] = p % camera.width < middle_u ? own : others;
+  std::bitset<256> of_bracket, unexplained;
+  of_bracket.set(own), unexplained.set(others);
+  Hypothesis known;
+  known.part = 0;
+  known.camera_from_model = bracket_pose;
+  const std::vector<KnownPart> sure = {{known, of_bracket}};
+  const auto parts = separate(models, frame, unexplained, sure);
+  ASSERT_EQ(parts.size(), 2u);
+  const auto is_pin = [](const SeparatedPart& part) { return part.hypotheses[0].part == 1; };
+  EXPECT_EQ(std::count_if(parts.begin(), parts.end(), is_pin), 1);
+  for (const auto& part : parts)
+    if (!is_pin(part)) {
+      int left = 0;  // of its pixels: all have its own label now
+      for (const std::uint8_t label : frame.label) left += label == own;
+      EXPECT_LT(left, 0.1 * part.object.pixels);
+    }
+}
+
 TEST_F(ClutterSearchTest, FindsAPartBeneathSomethingUnknownThatTouchesIt) {
   Random random(11);
   const TriangleMesh bracket = shapes::l_bracket();

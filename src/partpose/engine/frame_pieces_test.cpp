@@ -53,6 +53,15 @@ TEST_F(FramePiecesTest, FindsWhatStandsOnTheTable) {
   }
 }
 
+TEST_F(FramePiecesTest, FlatPartsSideBySideAreNoTable) {
+  for (const double x : {-99.0, 0.0, 99.0}) put(shapes::box(Eigen::Vector3f(100, 60, 12)), {x, 0, -7});
+  add_noise(0.8);
+  const FramePieces frame = split();
+  ASSERT_EQ(frame.objects.size(), 1u);
+  EXPECT_TRUE(frame.objects[0].larger_than_a_part);
+  EXPECT_GT(frame.objects[0].pixels, 10'000);
+}
+
 TEST_F(FramePiecesTest, AnEmptyTableHasNoObjects) {
   add_noise(0.8);
   EXPECT_TRUE(split().objects.empty());
