@@ -137,7 +137,7 @@ class Splitter {
     }
     measured.resize(count);
     min_cells_ = std::max(8, options.min_pixels / (grid.stride * grid.stride));
-    table = dominant_plane(measured);
+    table = dominant_plane(measured, 1);
     if (is_plausible(measured)) {
       whole_frame = true;
       if (!table || !stands_on_table(measured)) return;
@@ -232,8 +232,9 @@ class Splitter {
     return static_cast<double>(cells.size()) >= 0.02 * smallest_cells * smallest_cells;
   }
 
-  /// By RANSAC (Fischler and Bolles 1981) on inverse depths, refined by least squares on what lies on it.
-  std::optional<CutPlane> dominant_plane(const Cells& cells) const {
+  /// By RANSAC (Fischler and Bolles 1981) on inverse depths, refined by least squares on what lies on it. `fewer`: of
+  /// so many of the cells that are looked at for a table one.
+  std::optional<CutPlane> dominant_plane(const Cells& cells, std::size_t fewer) const {
     constexpr double smallest_share = 0.1;
     if (static_cast<int>(cells.size()) < std::max(min_cells_, 3)) return std::nullopt;
     const auto every_nth = [&](std::size_t count) {
@@ -283,7 +284,7 @@ class Splitter {
     }
     if (most_votes < smallest_share * static_cast<double>(voters)) return std::nullopt;
 
-    const Places some = places_of(every_nth(6000));
+    const Places some = places_of(every_nth(6000 / fewer));
     const std::size_t count = some.z_mm.size();
     float squared = 0;
     double fourth_powers = 0;  // of the depths
@@ -319,8 +320,9 @@ class Splitter {
     if (on_it < smallest_share * static_cast<double>(count)) return std::nullopt;
     best.rms_mm = std::sqrt(squared / static_cast<float>(std::max(on_it, 1)));
     const auto at_mm = static_cast<float>(std::pow(fourth_powers / std::max(on_it, 1), 0.25));
-    if (!is_too_large(every_nth(2000))) return CutPlane{best, std::clamp(3 * best.rms_mm, 1.5f, threshold), at_mm};
-    bend(best, every_nth(2500), threshold);
+    if (!is_too_large(every_nth(2000 / fewer)))
+      return CutPlane{best, std::clamp(3 * best.rms_mm, 1.5f, threshold), at_mm};
+    bend(best, every_nth(2500 / fewer), threshold);
     // Cut by the noise that the plane shows, so that the feet of flat parts stay.
     return CutPlane{best, std::clamp(2.7f * best.rms_mm, 1.5f, threshold), at_mm};
   }
@@ -494,7 +496,7 @@ class Splitter {
       if (is_plausible(piece)) {
         if (stands_out(piece, plane, level)) add({std::move(piece), plane});
       } else if (is_too_large(piece) && level + 1 < most_levels) {
-        const auto next = dominant_plane(piece);
+        const auto next = dominant_plane(piece, 3);
         if (level == 0 && is_heap(piece) && !(next && is_table(piece, *next))) {
           if (stands_out(piece, plane, level)) add({std::move(piece), plane, true});
         } else if (next) {
