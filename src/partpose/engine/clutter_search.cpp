@@ -362,7 +362,7 @@ class Separation {
   void take(std::span<const KnownPart> known) {
     constexpr int least_pixels = 60;
     const FrameObject rest = all_of(frame_, labels_);
-    if (rest.pixels == 0) return;
+    if (known.empty() || rest.pixels == 0) return;
     set_noise(ObjectView(frame_, rest));
     for (const auto& [hypothesis, labels] : known) {
       const auto explained = explained_by(hypothesis);
@@ -387,7 +387,7 @@ class Separation {
   std::vector<SeparatedPart> those_of(std::span<const Hypothesis> hypotheses) && {
     const FrameObject rest = all_of(frame_, labels_);
     set_noise(ObjectView(frame_, rest));
-    accept(trials_of(hypotheses, rest), rest);
+    accept(trials_of(hypotheses, rest), rest, most_no_outline);
     return std::move(*this).sure_parts();
   }
 
@@ -404,12 +404,13 @@ class Separation {
     double gain = 0;              ///< of log-likelihood, over leaving its pixels unexplained
   };
 
+  static constexpr double most_no_outline = 0.25, most_no_outline_of_many = 0.15;
   static constexpr int last_label = 250;
   static constexpr int wanted_pixels = 800, outline_px = 3, ring_px = 4, beyond_px = 24, far_beyond_px = 60;
 
   /// `density`: of the places that are looked at. Among many starts a wrong one is sooner good.
   bool round(int density) {
-    most_no_outline_ = density > 1 ? 0.15 : 0.25;
+    const double no_outline = density > 1 ? most_no_outline_of_many : most_no_outline;
     const FrameObject rest = all_of(frame_, labels_);
     constexpr int least_pixels = 120;
     constexpr double least_share = 0.05;  // of the square of the diameter: what a slender part shows when half hidden
@@ -426,7 +427,7 @@ class Separation {
         anchored_hypotheses(models_, frame_, rest, {.most_seeds = places, .every_part = true});
     hypotheses.insert(hypotheses.end(), starts_.begin(), starts_.end());
     std::vector<Trial> trials = trials_of(hypotheses, rest);
-    if (accept(trials, rest)) return true;
+    if (accept(trials, rest, no_outline)) return true;
     // What lies before a part and is not explained may be another one that hides it. So it may before a wrong pose
     // beneath the surface: only where nothing else is left to be found.
     constexpr double least_covered = 0.02;
@@ -435,7 +436,7 @@ class Separation {
       trials[i].may_be_covered = true;
       compare(trials[i], rest);
     });
-    return accept(std::move(trials), rest);
+    return accept(std::move(trials), rest, no_outline);
   }
 
   std::vector<Trial> trials_of(std::span<const Hypothesis> hypotheses, const FrameObject& rest) const {
@@ -450,7 +451,7 @@ class Separation {
   void set_noise(const ObjectView& view) { noise_per_mm2_ = view.noise_mm / std::pow(view.all.centre_mm().z(), 2); }
 
   /// Takes away one after the other those that are good, those that explain most first. Whether there are any.
-  bool accept(std::vector<Trial> trials, const FrameObject& rest) {
+  bool accept(std::vector<Trial> trials, const FrameObject& rest, double no_outline) {
     bool found = false;
     while (!trials.empty() && next_label_ < last_label) {
       std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.gain > b.gain; });
@@ -459,8 +460,8 @@ class Separation {
       if (!(best.gain > 0)) break;
       constexpr double before_polish = 1.5;  // it moves little: of those farther off none became good
       if (!is_held(best.hypothesis, before_polish)) continue;
-      if (!is_good(best)) polish(best, rest);
-      if (!is_good(best) || !is_held(best.hypothesis)) continue;
+      if (!is_good(best, no_outline)) polish(best, rest);
+      if (!is_good(best, no_outline) || !is_held(best.hypothesis)) continue;
       found = true;
       SeparatedPart part;
       part.hypotheses.push_back(best.hypothesis);
@@ -566,11 +567,12 @@ class Separation {
     compare(trial, rest);
   }
 
-  bool is_good(const Trial& trial) const {
+  /// `no_outline`: so much of what lies beside its outline may just go on.
+  bool is_good(const Trial& trial, double no_outline) const {
     constexpr double least_score = 0.5, least_seen = 0.3, most_conflicts = 0.1;
     const DepthComparison& c = trial.comparison;
     return c.explained > least_seen * c.model && trial.conflicts < most_conflicts * c.model &&
-           trial.no_outline < most_no_outline_ * trial.outline && probability(trial) > least_score;
+           trial.no_outline < no_outline * trial.outline && probability(trial) > least_score;
   }
 
   /// The pixels of the rest that the part explains.
@@ -728,7 +730,6 @@ class Separation {
   std::array<int, 256> pixels_{}, explained_{};  ///< by the label of a piece
   std::vector<int> piece_;                       ///< of each part: the label that most of its pixels had
   std::vector<std::array<int, 256>> claimed_;    ///< of each part: its pixels by the label that they had
-  double most_no_outline_ = 0.25;                ///< of a part that is good, of what lies beside its outline
   double noise_per_mm2_ = 1e-6, largest_mm_ = 0, smallest_mm_ = 1e9;
 };
 

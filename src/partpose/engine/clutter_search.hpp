@@ -29,7 +29,7 @@ struct KnownPart {
 /// pixels of each part get a label of their own, which all objects whose pixels they were get as well. Null models are
 /// left out.
 std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,
-                                    const std::bitset<256>& unexplained, std::span<const KnownPart> known = {});
+                                    const std::bitset<256>& unexplained, std::span<const KnownPart> known);
 
 /// The same for known hypotheses alone: of what is no part lies beside a part, so that the whole is like none.
 std::vector<SeparatedPart> separate_known(std::span<const PartModel* const> models, FramePieces& frame,

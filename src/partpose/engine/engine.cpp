@@ -450,17 +450,18 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
     if (target.best_score > Target::strong) labels.well |= object.labels;
   }
   // Beside what is weakly explained what is in doubt may have pixels of another part.
-  if ((labels.weakly & ~labels.well).any())
-    for (const auto& target : targets)
-      if (target.best_score < Target::strong && shows_enough(target)) labels.weakly |= target.view.object->labels;
   std::set<int> heard;
   std::vector<KnownPart> known;
-  for (const auto& target : targets) {
-    const FrameObject& object = *target.view.object;
-    if ((object.labels & labels.weakly).any()) heard.insert(target.heard.begin(), target.heard.end());
-    if (target.best_score > Target::strong) {
-      known.push_back({hypothesis_of(target.candidates[0]), object.labels});
-      heard.insert(known.back().hypothesis.part);
+  if ((labels.weakly & ~labels.well).any()) {
+    for (const auto& target : targets)
+      if (target.best_score < Target::strong && shows_enough(target)) labels.weakly |= target.view.object->labels;
+    for (const auto& target : targets) {
+      const FrameObject& object = *target.view.object;
+      if ((object.labels & labels.weakly).any()) heard.insert(target.heard.begin(), target.heard.end());
+      if (target.best_score > Target::strong) {
+        known.push_back({hypothesis_of(target.candidates[0]), object.labels});
+        heard.insert(known.back().hypothesis.part);
+      }
     }
   }
   std::erase_if(targets, [](const Target& target) { return target.candidates.empty(); });

@@ -113,17 +113,6 @@ class RowHeights {
   std::array<float, FlatSurface::degree + 1> bend_;
 };
 
-/// The powers x^i y^j of a FlatSurface's bend.
-inline std::array<float, FlatSurface::terms> powers(float ray_x, float ray_y) {
-  std::array<float, FlatSurface::terms> out;
-  float y = 1;
-  for (int j = 0, k = 0; j <= FlatSurface::degree; ++j, y *= ray_y) {
-    float x = y;
-    for (int i = 0; i + j <= FlatSurface::degree; ++i, x *= ray_x) out[k++] = x;
-  }
-  return out;
-}
-
 /// Splits a frame's cells into what may be single objects.
 class Splitter {
  public:
@@ -348,7 +337,7 @@ class Splitter {
     x.resize(height.size()), y.resize(height.size());
     for (std::size_t g = 0; g < rows.size(); ++g) {
       const float *ray_x = &x[g * lanes], *ray_y = &y[g * lanes];
-      Lanes power_of_y;
+      Lanes power_of_y;  // the powers x^i y^j of a FlatSurface's bend
       std::fill_n(power_of_y.value, lanes, 1.0f);
       for (int j = 0, k = 0; j <= FlatSurface::degree; ++j) {
         Lanes power = power_of_y;
@@ -742,10 +731,9 @@ std::array<float, FlatSurface::degree + 1> FlatSurface::bend_along_x(float ray_y
 float FlatSurface::most_bend_mm(const Intrinsics& camera) const {
   const double x = std::max(camera.cx, camera.width - camera.cx) / camera.fx;
   const double y = std::max(camera.cy, camera.height - camera.cy) / camera.fy;
-  const auto power = powers(static_cast<float>(x), static_cast<float>(y));
-  float sum = 0;
-  for (int k = 0; k < terms; ++k) sum += std::abs(bend_mm[k]) * power[k];
-  return sum;
+  FlatSurface all_up = *this;
+  for (float& term : all_up.bend_mm) term = std::abs(term);
+  return all_up.bend_mm_at(static_cast<float>(x), static_cast<float>(y));
 }
 
 float FlatSurface::height_mm(const Eigen::Vector3f& ray, float z_mm) const {
