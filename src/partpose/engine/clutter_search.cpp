@@ -5,6 +5,7 @@
 #include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/parallel.hpp"
 #include "partpose/descriptor/crh.hpp"
+#include "partpose/engine/best_together.hpp"
 #include "partpose/engine/verdict.hpp"
 #include "partpose/registration/projective_refinement.hpp"
 
@@ -12,6 +13,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -338,6 +340,30 @@ std::vector<std::uint8_t> near_rendered(const DepthImage& rendered, int reach) {
   return near;
 }
 
+constexpr int outline_px = 3;
+
+/// The pixels of these labels that the part at its pose explains.
+std::vector<std::size_t> explained_pixels(const PartModel& model, const Eigen::Isometry3d& camera_from_model,
+                                          const FramePieces& frame, const std::bitset<256>& labels, double noise_mm) {
+  FrameObject rest;
+  rest.labels = labels;
+  const PartWindow window = window_of(frame, rest, model, camera_from_model, 0, outline_px + 1);
+  const DepthImage rendered = render_depth(model.surface, camera_from_model, window.frame.camera, model.surface.faces);
+  const auto limit_mm = static_cast<float>(4 * noise_mm);
+  std::vector<std::size_t> out;
+  for (int v = 0; v < rendered.height; ++v)
+    for (int u = 0; u < rendered.width; ++u) {
+      if (window.frame.label[static_cast<std::size_t>(v) * rendered.width + u] != PixelLabel::object) continue;
+      const float z = window.frame.depth.at(u, v);
+      bool explained = false;
+      for (int vv = std::max(v - outline_px, 0); vv <= std::min(v + outline_px, rendered.height - 1); ++vv)
+        for (int uu = std::max(u - outline_px, 0); uu <= std::min(u + outline_px, rendered.width - 1); ++uu)
+          explained |= rendered.at(uu, vv) > 0 && std::abs(rendered.at(uu, vv) - z) < limit_mm;
+      if (explained) out.push_back(static_cast<std::size_t>(window.v0 + v) * frame.depth->width + window.u0 + u);
+    }
+  return out;
+}
+
 /// Finds one part after the other in what is left.
 class Separation {
  public:
@@ -349,7 +375,6 @@ class Separation {
       ++pixels_[label];
     }
     while (next_label_ < last_label && used.test(next_label_)) ++next_label_;
-    first_label_ = next_label_;
     for (const PartModel* model : models) {
       if (!model) continue;
       largest_mm_ = std::max(largest_mm_, model->diameter_mm);
@@ -387,26 +412,38 @@ class Separation {
   std::vector<SeparatedPart> those_of(std::span<const Hypothesis> hypotheses) && {
     const FrameObject rest = all_of(frame_, labels_);
     set_noise(ObjectView(frame_, rest));
-    accept(trials_of(hypotheses, rest), rest, most_no_outline);
+    accept(trials_of(hypotheses, rest), most_no_outline);
     return std::move(*this).sure_parts();
   }
 
  private:
   struct Trial {
     Hypothesis hypothesis;
-    DepthComparison comparison;   ///< with what is left about it
-    bool may_be_covered = false;  ///< whether what is before it counts as hiding it
-    int covered = 0;              ///< pixels of what is left that lie before it
-    int conflicts = 0;            ///< pixels where it lies on what another part explains
-    int outline = 0;              ///< measured pixels just outside its outline
-    int no_outline = 0;           ///< of them: where the surface just goes on
-    int goes_on = 0;              ///< of them: into what is not explained
-    double gain = 0;              ///< of log-likelihood, over leaving its pixels unexplained
+    DepthComparison comparison;                   ///< with what is left about it
+    bool may_be_covered = false;                  ///< whether what is before it counts as hiding it
+    int covered = 0;                              ///< pixels of what is left that lie before it
+    int conflicts = 0;                            ///< pixels where it lies on what another part explains
+    int outline = 0;                              ///< measured pixels just outside its outline
+    int no_outline = 0;                           ///< of them: where the surface just goes on
+    int goes_on = 0;                              ///< of them: into what is not explained
+    std::vector<std::uint64_t> explained_bits{};  ///< which pixels of the rest it explains, row by row in its box
+    int explained_px = 0;
+    double gain = 0;  ///< of log-likelihood, over leaving its pixels unexplained
+  };
+
+  /// A part that was found, with its pixels.
+  struct Claim {
+    SeparatedPart part;
+    std::uint8_t label = 0;                                      ///< of its pixels, and of no others
+    std::vector<std::pair<std::size_t, std::uint8_t>> pixels{};  ///< with the labels that they had
+    std::array<int, 256> from{};                                 ///< their number, by these labels
+    int piece = 0;                                               ///< the label that most of them had
   };
 
   static constexpr double most_no_outline = 0.25, most_no_outline_of_many = 0.15;
   static constexpr int last_label = 250;
-  static constexpr int wanted_pixels = 800, outline_px = 3, ring_px = 4, beyond_px = 24, far_beyond_px = 60;
+  static constexpr double conflict_cost = 6;  // the comparison counts up to 3 for a pixel that was taken for the table
+  static constexpr int wanted_pixels = 800, ring_px = 4, beyond_px = 24, far_beyond_px = 60;
 
   /// `density`: of the places that are looked at. Among many starts a wrong one is sooner good.
   bool round(int density) {
@@ -427,7 +464,7 @@ class Separation {
         anchored_hypotheses(models_, frame_, rest, {.most_seeds = places, .every_part = true});
     hypotheses.insert(hypotheses.end(), starts_.begin(), starts_.end());
     std::vector<Trial> trials = trials_of(hypotheses, rest);
-    if (accept(trials, rest, no_outline)) return true;
+    if (accept(trials, no_outline)) return true;
     // What lies before a part and is not explained may be another one that hides it. So it may before a wrong pose
     // beneath the surface: only where nothing else is left to be found.
     constexpr double least_covered = 0.02;
@@ -436,7 +473,7 @@ class Separation {
       trials[i].may_be_covered = true;
       compare(trials[i], rest);
     });
-    return accept(std::move(trials), rest, no_outline);
+    return accept(std::move(trials), no_outline);
   }
 
   std::vector<Trial> trials_of(std::span<const Hypothesis> hypotheses, const FrameObject& rest) const {
@@ -450,38 +487,106 @@ class Separation {
 
   void set_noise(const ObjectView& view) { noise_per_mm2_ = view.noise_mm / std::pow(view.all.centre_mm().z(), 2); }
 
-  /// Takes away one after the other those that are good, those that explain most first. Whether there are any.
-  bool accept(std::vector<Trial> trials, const FrameObject& rest, double no_outline) {
-    bool found = false;
-    while (!trials.empty() && next_label_ < last_label) {
-      std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.gain > b.gain; });
-      Trial best = trials.front();
-      trials.erase(trials.begin());
-      if (!(best.gain > 0)) break;
-      constexpr double before_polish = 1.5;  // it moves little: of those farther off none became good
-      if (!is_held(best.hypothesis, before_polish)) continue;
-      if (!is_good(best, no_outline)) polish(best, rest);
-      if (!is_good(best, no_outline) || !is_held(best.hypothesis)) continue;
-      found = true;
-      SeparatedPart part;
-      part.hypotheses.push_back(best.hypothesis);
-      const Eigen::Vector3d middle = middle_of(best.hypothesis);
-      for (const auto& other : trials) {
-        constexpr std::size_t most_rivals = 8;
-        if (part.hypotheses.size() >= most_rivals) break;
-        if ((middle_of(other.hypothesis) - middle).norm() < 0.3 * models_[best.hypothesis.part]->diameter_mm)
-          part.hypotheses.push_back(other.hypothesis);
-      }
-      claim(best.hypothesis);
-      parts_.push_back(std::move(part));
-      // Those that may share pixels with it.
-      const double reach_mm = models_[best.hypothesis.part]->diameter_mm;
-      parallel_for(trials.size(), [&](std::size_t i) {
-        const Hypothesis& h = trials[i].hypothesis;
-        if ((middle_of(h) - middle).norm() < 0.5 * (reach_mm + models_[h.part]->diameter_mm)) compare(trials[i], rest);
-      });
+  /// Takes away those that explain most together and are good beside one another. Whether there are any.
+  bool accept(std::vector<Trial> trials, double no_outline) {
+    constexpr double least_explained = 0.2;  // of those below it none became good
+    std::erase_if(trials, [](const Trial& trial) {
+      return !(trial.gain > 0) || trial.comparison.explained < least_explained * trial.comparison.model;
+    });
+    constexpr std::size_t most_trials = 100;
+    if (trials.size() > most_trials) {
+      const auto gains_more = [](const Trial& a, const Trial& b) { return a.gain > b.gain; };
+      std::stable_sort(trials.begin(), trials.end(), gains_more);
+      trials.resize(most_trials);
     }
-    return found;
+    const Eigen::MatrixXd shared = shared_gain(trials);
+    Eigen::VectorXd gain(trials.size());
+    for (std::size_t i = 0; i < trials.size(); ++i) gain[static_cast<Eigen::Index>(i)] = trials[i].gain;
+    const std::size_t before = claims_.size();
+    while (true) {
+      const std::vector<int> chosen = best_together(gain, shared);
+      if (chosen.empty()) return false;
+      const std::vector<int> wrong = claim_those(chosen, trials, no_outline);
+      if (wrong.empty()) return true;
+      while (claims_.size() > before) release_last();
+      for (const int i : wrong) gain[i] = 0;
+    }
+  }
+
+  /// How much less two trials explain together than each for itself; infinite where they explain the same.
+  Eigen::MatrixXd shared_gain(const std::vector<Trial>& trials) const {
+    constexpr double most_shared = 0.15;  // of the pixels that one of them explains
+    const auto count = static_cast<Eigen::Index>(trials.size());
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(count, count);
+    parallel_for(trials.size(), [&](std::size_t i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const Trial &a = trials[i], &b = trials[j];
+        const double reach_mm = models_[a.hypothesis.part]->diameter_mm + models_[b.hypothesis.part]->diameter_mm;
+        if ((middle_of(a.hypothesis) - middle_of(b.hypothesis)).norm() > 0.5 * reach_mm) continue;
+        int px = 0;
+        for (std::size_t k = 0; k < a.explained_bits.size(); ++k)
+          px += std::popcount(a.explained_bits[k] & b.explained_bits[k]);
+        const int fewer_px = std::min(a.explained_px, b.explained_px);
+        const double gain_per_px = std::min(a.gain / a.explained_px, b.gain / b.explained_px);
+        out(i, j) =
+            px > most_shared * fewer_px ? std::numeric_limits<double>::infinity() : px * (gain_per_px + conflict_cost);
+      }
+    });
+    return out.selfadjointView<Eigen::Lower>();
+  }
+
+  /// Those that are not good beside the others; where there are none, all are found.
+  std::vector<int> claim_those(std::vector<int> chosen, std::vector<Trial>& trials, double no_outline) {
+    const std::size_t before = claims_.size();
+    std::vector<int> claimed;
+    // One after the other, since one may hold another.
+    constexpr double before_polish = 1.5;  // it moves little: of those farther off none became good
+    const auto is_next = [&](int i) { return is_held(trials[i].hypothesis, before_polish); };
+    for (auto next = chosen.begin(); next_label_ < last_label; chosen.erase(next)) {
+      next = std::find_if(chosen.begin(), chosen.end(), is_next);
+      if (next == chosen.end()) break;
+      claim(with_rivals(*next, trials));
+      claimed.push_back(*next);
+    }
+    std::vector<int> wrong = std::move(chosen);  // which nothing holds
+    std::vector<Trial> now(claimed.size());
+    parallel_for(claimed.size(), [&](std::size_t k) {
+      FrameObject own;
+      own.labels = labels_;
+      own.labels.set(claims_[before + k].label);
+      now[k].hypothesis = trials[claimed[k]].hypothesis;
+      now[k].may_be_covered = trials[claimed[k]].may_be_covered;
+      compare(now[k], own);
+      if (!is_good(now[k], no_outline)) polish(now[k], own);
+    });
+    std::vector<std::pair<double, int>> doubtful;
+    for (std::size_t k = 0; k < claimed.size(); ++k) {
+      const Hypothesis& h = now[k].hypothesis;
+      trials[claimed[k]].hypothesis = claims_[before + k].part.hypotheses[0] = h;
+      if (!is_held(h))
+        wrong.push_back(claimed[k]);
+      else if (!is_good(now[k], no_outline))
+        doubtful.emplace_back(probability(now[k]), claimed[k]);
+    }
+    // What is wrong speaks against what is right beside it: the worst first.
+    std::sort(doubtful.begin(), doubtful.end());
+    constexpr double hopeless = 0.2;
+    for (const auto& [probability, i] : doubtful)
+      if (wrong.empty() || probability < hopeless) wrong.push_back(i);
+    return wrong;
+  }
+
+  /// One of the trials, and others for about the same pixels.
+  SeparatedPart with_rivals(int found, const std::vector<Trial>& trials) const {
+    constexpr std::size_t most = 9;
+    const Hypothesis& best = trials[found].hypothesis;
+    SeparatedPart part;
+    part.hypotheses.push_back(best);
+    for (int i = 0; i < static_cast<int>(trials.size()) && part.hypotheses.size() < most; ++i) {
+      const double off_mm = (middle_of(trials[i].hypothesis) - middle_of(best)).norm();
+      if (i != found && off_mm < 0.3 * models_[best.part]->diameter_mm) part.hypotheses.push_back(trials[i].hypothesis);
+    }
+    return part;
   }
 
   /// Of another object than what is left.
@@ -503,11 +608,25 @@ class Separation {
     const DepthImage rendered = render_depth(model.outline, pose, window.frame.camera, model.outline.faces);
     const std::vector<std::uint8_t> is_near = near_rendered(rendered, reach);
     const Beyond beyond = beyond_outline(rendered, beyond_px, window.stride);
+    const int box_width = rest.u1 - rest.u0 + 1, box_height = rest.v1 - rest.v0 + 1;
+    trial.explained_bits.assign((static_cast<std::size_t>(std::max(box_width * box_height, 0)) + 63) / 64, 0);
+    trial.explained_px = 0;
     trial.conflicts = trial.outline = trial.no_outline = trial.goes_on = trial.covered = 0;
     for (int v = 0; v < rendered.height; ++v)
       for (int u = 0; u < rendered.width; ++u) {
         const std::size_t p = static_cast<std::size_t>(v) * rendered.width + u;
         PixelLabel& label = window.frame.label[p];
+        if (rendered.z_mm[p] > 0 && label == PixelLabel::object &&
+            std::abs(rendered.z_mm[p] - window.frame.depth.z_mm[p]) < 4 * noise_at(trial.hypothesis)) {
+          const int first_u = window.u0 + u * window.stride - rest.u0,
+                    first_v = window.v0 + v * window.stride - rest.v0;
+          for (int vv = std::max(first_v, 0); vv < std::min(first_v + window.stride, box_height); ++vv)
+            for (int uu = std::max(first_u, 0); uu < std::min(first_u + window.stride, box_width); ++uu) {
+              const std::size_t bit = static_cast<std::size_t>(vv) * box_width + uu;
+              trial.explained_bits[bit / 64] |= std::uint64_t{1} << (bit % 64);
+              ++trial.explained_px;
+            }
+        }
         if (rendered.z_mm[p] > 0 && label == PixelLabel::object &&
             rendered.z_mm[p] - window.frame.depth.z_mm[p] > 4 * noise_at(trial.hypothesis)) {
           ++trial.covered;
@@ -533,7 +652,6 @@ class Separation {
                              .size_mm = largest_mm_};
     trial.comparison = DepthComparer(window.frame, sensor)(
         model.outline, pose, model.covered(window.frame.camera, pose), model.outline.faces);
-    constexpr double conflict_cost = 6;  // the comparison counts up to 3 for a pixel that was taken for the table
     trial.gain = (trial.comparison.log_likelihood - trial.comparison.object * std::log(sensor.outlier) -
                   conflict_cost * trial.conflicts) *
                  window.stride * window.stride;
@@ -567,51 +685,52 @@ class Separation {
     compare(trial, rest);
   }
 
-  /// `no_outline`: so much of what lies beside its outline may just go on.
+  /// `no_outline`: so much of what lies beside its outline may just go on; among several parts more, where it goes on
+  /// into one of them.
   bool is_good(const Trial& trial, double no_outline) const {
-    constexpr double least_score = 0.5, least_seen = 0.3, most_conflicts = 0.1;
+    constexpr double least_score = 0.5, least_seen = 0.3, most_conflicts = 0.1, into_others = 0.15;
+    constexpr std::size_t several = 4;  // two or three may together be one that is not known
+    const double no_outline_at_all = claims_.size() < several ? no_outline : no_outline + into_others;
     const DepthComparison& c = trial.comparison;
     return c.explained > least_seen * c.model && trial.conflicts < most_conflicts * c.model &&
-           trial.no_outline < no_outline * trial.outline && probability(trial) > least_score;
+           trial.no_outline < no_outline_at_all * trial.outline && trial.goes_on < no_outline * trial.outline &&
+           probability(trial) > least_score;
   }
 
-  /// The pixels of the rest that the part explains.
   std::vector<std::size_t> explained_by(const Hypothesis& h) const {
-    const PartModel& model = *models_[h.part];
-    FrameObject rest;
-    rest.labels = labels_;
-    const PartWindow window = window_of(frame_, rest, model, h.camera_from_model, 0, outline_px + 1);
-    const DepthImage rendered =
-        render_depth(model.surface, h.camera_from_model, window.frame.camera, model.surface.faces);
-    const auto limit_mm = static_cast<float>(4 * noise_at(h));
-    std::vector<std::size_t> out;
-    for (int v = 0; v < rendered.height; ++v)
-      for (int u = 0; u < rendered.width; ++u) {
-        if (window.frame.label[static_cast<std::size_t>(v) * rendered.width + u] != PixelLabel::object) continue;
-        const float z = window.frame.depth.at(u, v);
-        bool explained = false;
-        for (int vv = std::max(v - outline_px, 0); vv <= std::min(v + outline_px, rendered.height - 1); ++vv)
-          for (int uu = std::max(u - outline_px, 0); uu <= std::min(u + outline_px, rendered.width - 1); ++uu)
-            explained |= rendered.at(uu, vv) > 0 && std::abs(rendered.at(uu, vv) - z) < limit_mm;
-        if (explained) out.push_back(static_cast<std::size_t>(window.v0 + v) * frame_.depth->width + window.u0 + u);
-      }
-    return out;
+    return explained_pixels(*models_[h.part], h.camera_from_model, frame_, labels_, noise_at(h));
   }
 
   /// Gives what the part explains a label of its own.
-  void claim(const Hypothesis& h) {
-    std::array<int, 256> from{};
-    for (const std::size_t pixel : explained_by(h)) {
-      ++from[frame_.label[pixel]];
-      frame_.label[pixel] = static_cast<std::uint8_t>(next_label_);
+  void claim(SeparatedPart part) {
+    Claim claim;
+    claim.label = static_cast<std::uint8_t>(next_label_++);
+    for (const std::size_t pixel : explained_by(part.hypotheses[0])) {
+      std::uint8_t& label = frame_.label[pixel];
+      claim.pixels.emplace_back(pixel, label);
+      ++claim.from[label];
+      label = claim.label;
     }
-    for (auto& object : frame_.objects)
+    constexpr double edge_share = 0.1;  // so much of an object is lost to a neighbour without its being another's
+    for (auto& object : frame_.objects) {
+      int taken = 0;
       for (int label = 0; label < 256; ++label)
-        if (from[label] > 0 && object.labels.test(label)) object.labels.set(next_label_);
-    ++next_label_;
-    for (int k = 0; k < 256; ++k) explained_[k] += from[k];
-    piece_.push_back(static_cast<int>(std::max_element(from.begin(), from.end()) - from.begin()));
-    claimed_.push_back(from);
+        if (object.labels.test(label)) taken += claim.from[label];
+      if (taken > edge_share * object.pixels) object.labels.set(claim.label);
+    }
+    for (int k = 0; k < 256; ++k) explained_[k] += claim.from[k];
+    claim.piece = static_cast<int>(std::max_element(claim.from.begin(), claim.from.end()) - claim.from.begin());
+    claim.part = std::move(part);
+    claims_.push_back(std::move(claim));
+  }
+
+  void release_last() {
+    const Claim& claim = claims_.back();
+    for (const auto& [pixel, label] : claim.pixels) frame_.label[pixel] = label;
+    for (int k = 0; k < 256; ++k) explained_[k] -= claim.from[k];
+    for (auto& object : frame_.objects) object.labels.reset(claim.label);
+    next_label_ = claim.label;
+    claims_.pop_back();
   }
 
   double tolerance_mm(const Hypothesis& h) const { return touch_tolerance_mm(*models_[h.part], noise_at(h)); }
@@ -627,15 +746,16 @@ class Separation {
                      tolerances * tolerance_mm(other));
     };
     return std::any_of(known_.begin(), known_.end(), holds) ||
-           std::any_of(parts_.begin(), parts_.end(), [&](const auto& part) { return holds(part.hypotheses[0]); });
+           std::any_of(claims_.begin(), claims_.end(),
+                       [&](const Claim& claim) { return holds(claim.part.hypotheses[0]); });
   }
 
   /// What is left where a part's surface goes on beyond its outline is its: unexplained.
   void share_rest() {
     FrameObject rest;
     rest.labels = labels_;
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const Hypothesis& h = parts_[i].hypotheses[0];
+    for (const Claim& claim : claims_) {
+      const Hypothesis& h = claim.part.hypotheses[0];
       const PartModel& model = *models_[h.part];
       const PartWindow window = window_of(frame_, rest, model, h.camera_from_model, 0, far_beyond_px + 1);
       const DepthImage rendered =
@@ -645,13 +765,12 @@ class Separation {
         for (int u = 0; u < beyond.width; ++u)
           if (window.frame.label[static_cast<std::size_t>(v) * beyond.width + u] == PixelLabel::object &&
               beyond.at(u, v) > 0 && std::abs(beyond.at(u, v) - window.frame.depth.at(u, v)) < 3 * noise_at(h))
-            frame_.label[static_cast<std::size_t>(window.v0 + v) * frame_.depth->width + window.u0 + u] =
-                static_cast<std::uint8_t>(first_label_ + i);
+            frame_.label[static_cast<std::size_t>(window.v0 + v) * frame_.depth->width + window.u0 + u] = claim.label;
     }
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
+    for (Claim& claim : claims_) {
       std::bitset<256> own;
-      own.set(first_label_ + i);
-      parts_[i].object = all_of(frame_, own);
+      own.set(claim.label);
+      claim.part.object = all_of(frame_, own);
     }
   }
 
@@ -662,29 +781,29 @@ class Separation {
     for (const auto& object : frame_.objects)
       if (object.larger_than_a_part) large |= object.labels;
     std::array<int, 256> explained = explained_, count{};
-    for (const int piece : piece_) ++count[piece];
-    std::vector<bool> doubtful(parts_.size(), false);
+    for (const Claim& claim : claims_) ++count[claim.piece];
+    std::vector<bool> doubtful(claims_.size(), false);
     // Nothing of the pieces that it has no pixel of.
     const auto rest_of = [&](std::size_t i) {
       FrameObject rest;
       for (int k = 0; k < 256; ++k) {
-        if (claimed_[i][k] == 0) continue;
+        if (claims_[i].from[k] == 0) continue;
         rest.labels[k] = labels_[k];
-        for (std::size_t other = 0; other < parts_.size(); ++other)
-          if (doubtful[other] && claimed_[other][k] > 0) rest.labels.set(first_label_ + other);
+        for (std::size_t other = 0; other < claims_.size(); ++other)
+          if (doubtful[other] && claims_[other].from[k] > 0) rest.labels.set(claims_[other].label);
       }
       return rest;
     };
     for (bool changed = true; changed;) {
       changed = false;
-      for (std::size_t i = 0; i < parts_.size(); ++i) {
-        const int piece = piece_[i];
+      for (std::size_t i = 0; i < claims_.size(); ++i) {
+        const int piece = claims_[i].piece;
         if (doubtful[i] ||
-            !is_doubtful(parts_[i].hypotheses[0], rest_of(i), static_cast<double>(explained[piece]) / pixels_[piece],
-                         large.test(piece), count[piece] == 1))
+            !is_doubtful(claims_[i].part.hypotheses[0], rest_of(i),
+                         static_cast<double>(explained[piece]) / pixels_[piece], large.test(piece), count[piece] == 1))
           continue;
         doubtful[i] = changed = true;
-        for (int k = 0; k < 256; ++k) explained[k] -= claimed_[i][k];
+        for (int k = 0; k < 256; ++k) explained[k] -= claims_[i].from[k];
         --count[piece];
       }
     }
@@ -716,8 +835,8 @@ class Separation {
     const std::vector<bool> doubtful = which_are_doubtful();
     share_rest();
     std::vector<SeparatedPart> sure;
-    for (std::size_t i = 0; i < parts_.size(); ++i)
-      if (!doubtful[i]) sure.push_back(std::move(parts_[i]));
+    for (std::size_t i = 0; i < claims_.size(); ++i)
+      if (!doubtful[i]) sure.push_back(std::move(claims_[i].part));
     return sure;
   }
 
@@ -725,11 +844,9 @@ class Separation {
   FramePieces& frame_;
   std::bitset<256> labels_;
   std::vector<Hypothesis> starts_, known_;
-  std::vector<SeparatedPart> parts_;
-  int first_label_ = 0, next_label_ = FramePieces::first_piece;
+  std::vector<Claim> claims_;
+  int next_label_ = FramePieces::first_piece;
   std::array<int, 256> pixels_{}, explained_{};  ///< by the label of a piece
-  std::vector<int> piece_;                       ///< of each part: the label that most of its pixels had
-  std::vector<std::array<int, 256>> claimed_;    ///< of each part: its pixels by the label that they had
   double noise_per_mm2_ = 1e-6, largest_mm_ = 0, smallest_mm_ = 1e9;
 };
 
@@ -806,6 +923,55 @@ std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> mo
   hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept);
   refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 512, 0.02, 0.005, 6);
   return distinct(std::move(hypotheses), models);
+}
+
+int largest_left_px(const FramePieces& frame, const std::bitset<256>& labels, const Hypothesis* explained,
+                    std::span<const PartModel* const> models, double noise_mm) {
+  const FrameObject object = all_of(frame, labels);
+  const int width = object.u1 - object.u0 + 1, height = object.v1 - object.v0 + 1, frame_width = frame.depth->width;
+  if (object.pixels == 0) return 0;
+  std::vector<std::uint8_t> left(static_cast<std::size_t>(width) * height);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      left[static_cast<std::size_t>(v) * width + u] =
+          labels.test(frame.label[static_cast<std::size_t>(object.v0 + v) * frame_width + object.u0 + u]);
+  if (explained)
+    for (const std::size_t p :
+         explained_pixels(*models[explained->part], explained->camera_from_model, frame, labels, noise_mm))
+      left[(p / frame_width - object.v0) * width + p % frame_width - object.u0] = 0;
+  // Strips along outlines are nothing.
+  constexpr int margin = 2;
+  const auto thinned = [](const std::vector<std::uint8_t>& from, int step, int length) {
+    std::vector<std::uint8_t> out(from.size(), 0);
+    for (std::size_t p = 0; p < from.size(); ++p) {
+      const int at = static_cast<int>(p) / step % length;
+      out[p] = from[p];
+      for (int k = 1; k <= margin && out[p]; ++k)
+        out[p] = at >= k && at + k < length && from[p - k * step] && from[p + k * step];
+    }
+    return out;
+  };
+  left = thinned(thinned(left, 1, width), width, height);
+  int largest = 0;
+  std::vector<std::size_t> open;
+  for (std::size_t start = 0; start < left.size(); ++start) {
+    if (!left[start]) continue;
+    int pixels = 0;
+    open.assign(1, start);
+    left[start] = 0;
+    while (!open.empty()) {
+      const std::size_t p = open.back();
+      open.pop_back();
+      ++pixels;
+      const int u = static_cast<int>(p) % width, v = static_cast<int>(p) / width;
+      const auto visit = [&](bool inside, std::size_t q) {
+        if (inside && left[q]) left[q] = 0, open.push_back(q);
+      };
+      visit(u > 0, p - 1), visit(u + 1 < width, p + 1), visit(v > 0, p - width), visit(v + 1 < height, p + width);
+    }
+    largest = std::max(largest, pixels);
+  }
+  return largest;
 }
 
 std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,

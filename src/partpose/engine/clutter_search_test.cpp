@@ -110,6 +110,20 @@ TEST_F(ClutterSearchTest, FindsFlatPartsSideBySide) {
 }
 
 /// What is sure by one piece of it is what lies in the way of a neighbour in another.
+/// The block explains most of what is seen of both.
+TEST_F(ClutterSearchTest, FindsASmallPartInThePieceOfALargeOne) {
+  Random random(8);
+  const TriangleMesh block = shapes::box({-60, -40, 0}, {60, 40, 50}), small = shapes::box({0, 0, 0}, {40, 24, 18});
+  const Engine both({named("block", block), named("small", small)});
+  const Eigen::Isometry3d beside(Eigen::Translation3d(-10, -64.2, 0));
+  TriangleMesh scene = shapes::joined(table, block);
+  scene = shapes::joined(scene, shapes::moved(small, beside));
+  const Recognition r = both.recognize(measured(scene, random), camera);
+  EXPECT_TRUE(found_near(r, 0, block, Eigen::Isometry3d::Identity()));
+  EXPECT_TRUE(found_near(r, 1, small, beside));
+  EXPECT_EQ(r.detections.size(), 2);
+}
+
 TEST_F(ClutterSearchTest, AKnownPartTakesItsPixelsOfOtherPieces) {
   Random random(4);
   const TriangleMesh bracket = shapes::l_bracket(), pin = shapes::cylinder(15, 70, 40);
@@ -292,6 +306,37 @@ TEST(AnchoredHypotheses, TheTruePoseIsAmongTheFirst) {
     }
   }
   EXPECT_GE(right, frames - 2);  // what is left may be one flat face
+}
+
+TEST(LargestLeft, WhatThePartLeavesInOnePiece) {
+  const PartModel model(shapes::l_bracket());
+  const std::vector<const PartModel*> models = {&model};
+  Hypothesis part;
+  part.part = 0;
+  part.camera_from_model = Eigen::Translation3d(0, 0, 500) * Eigen::Isometry3d::Identity();
+  FramePieces frame;
+  frame.camera = {.width = 320, .height = 240, .fx = 500, .fy = 500, .cx = 159.5, .cy = 119.5};
+  DepthImage depth = render(shapes::l_bracket(), part.camera_from_model, frame.camera).depth;
+  frame.depth = &depth;
+  frame.label.assign(depth.z_mm.size(), FramePieces::background);
+  for (std::size_t p = 0; p < depth.z_mm.size(); ++p)
+    if (depth.z_mm[p] > 0) frame.label[p] = FramePieces::first_piece;
+  const auto add = [&](int u0, int v0, int width, int height) {
+    for (int v = v0; v < v0 + height; ++v)
+      for (int u = u0; u < u0 + width; ++u) {
+        depth.at(u, v) = 480;
+        frame.label[static_cast<std::size_t>(v) * depth.width + u] = FramePieces::first_piece;
+      }
+  };
+  std::bitset<256> labels;
+  labels.set(FramePieces::first_piece);
+  EXPECT_EQ(largest_left_px(frame, labels, &part, models, 0.5), 0);
+  add(5, 5, 4, 100);  // no wider than an outline
+  EXPECT_EQ(largest_left_px(frame, labels, &part, models, 0.5), 0);
+  add(280, 10, 20, 30);
+  add(280, 100, 20, 20);
+  EXPECT_EQ(largest_left_px(frame, labels, &part, models, 0.5), 16 * 26);
+  EXPECT_GT(largest_left_px(frame, labels, nullptr, {}, 0.5), 16 * 26);
 }
 
 TEST(SinksIntoTable, WhatReachesBelowIt) {

@@ -42,6 +42,7 @@ struct Target {
   std::vector<Candidate> candidates;      ///< best first
   std::vector<double> log_likelihoods;    ///< of the candidates, of the coarse comparison
   double best_score = 0;                  ///< probability_of_part of the best
+  double unexplained_px = 0;              ///< by the best
   Detection detection;                    ///< of the best candidate
   std::set<int> heard;                    ///< parts whose hypotheses were refined
   bool partly_hidden = false;             ///< by something nearer; asked only where it matters
@@ -201,8 +202,11 @@ struct Engine::Impl {
   void add_separated(std::vector<Target>& targets, std::vector<Target> separated) const;
   /// Whether a closer look may find a part, or another one. `beside_another`: of which the part is known.
   bool is_worth_a_search(const Target& target, bool beside_another) const;
-  /// Not less than a part shows when three quarters of it are hidden.
-  bool shows_enough(const Target& target) const;
+  /// Pixels that the smallest part shows where the target is, when three quarters of it are hidden.
+  double least_part_px(const Target& target) const;
+  bool shows_enough(const Target& target) const { return target.view.object->pixels >= least_part_px(target); }
+  /// Whether the best leaves as much of its object in one piece as a part shows.
+  bool leaves_a_part(const Target& target) const;
   /// The models for a search that looks at every part; of a large catalogue only those heard, null for the others.
   std::vector<const PartModel*> models_to_search(const std::set<int>& heard) const;
   /// `one_part`: all of the object's points are expected on one part, so that what leaves more of them than another
@@ -428,7 +432,10 @@ std::vector<Target> Engine::Impl::examine_all(const FramePieces& frame, Explaine
               time);
     if (target.best_score < Target::weak_when_hidden) target.partly_hidden = is_partly_hidden(target.view);
     if (target.partly_hidden && target.is_weak()) examine(target, {.look_behind = true}, time);
-    if (target.best_score > Target::strong) labels.well |= object.labels;
+    // A part may be explained well with a piece of another one.
+    constexpr double strong_with_others = 0.95;
+    const bool of_several = object.labels.count() > 1 && !object.whole_frame;
+    if (target.best_score > (of_several ? strong_with_others : Target::strong)) labels.well |= object.labels;
     targets.push_back(std::move(target));
   }
   return targets;
@@ -448,6 +455,11 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
     reconsider(target, time);
     if (target.is_weak()) labels.weakly |= object.labels;
     if (target.best_score > Target::strong) labels.well |= object.labels;
+  }
+  for (const auto& target : targets) {
+    if (target.best_score < Target::weak || may_be_one_part(frame) || !leaves_a_part(target)) continue;
+    labels.weakly |= target.view.object->labels;
+    labels.well &= ~target.view.object->labels;
   }
   // Beside what is weakly explained what is in doubt may have pixels of another part.
   std::set<int> heard;
@@ -497,11 +509,13 @@ std::vector<SeparatedPart> Engine::Impl::look_at_own_pixels(std::vector<Target>&
   std::vector<Target> found = targets_of(frame, parts, time);
   // What is left is too little to be another part.
   constexpr double most_left = 0.35;  // of the pixels found
+  const std::bitset<256> left = weak & ~labels.well;
   double found_pixels = 0;
   for (const auto& target : found) found_pixels += target.view.object->pixels;
-  const bool is_all = !found.empty() && std::count_if(frame.label.begin(), frame.label.end(), [&](std::uint8_t l) {
-                                          return weak.test(l) && !labels.well.test(l);
-                                        }) < most_left * found_pixels;
+  const auto left_pixels =
+      std::count_if(frame.label.begin(), frame.label.end(), [&](std::uint8_t l) { return left.test(l); });
+  const bool is_all = !found.empty() && static_cast<double>(left_pixels) < most_left * found_pixels &&
+                      largest_left_px(frame, left, nullptr, {}, 0) <= least_part_px(found[0]);
   if (!is_all || std::any_of(found.begin(), found.end(), [](const auto& target) { return target.is_weak(); })) {
     frame.label = label;
     frame.objects = objects;
@@ -578,10 +592,18 @@ bool Engine::Impl::is_worth_a_search(const Target& target, bool beside_another) 
   return target.is_weak() && shows_enough(target);
 }
 
-bool Engine::Impl::shows_enough(const Target& target) const {
-  constexpr double least_share = 0.25;  // of what is seen of the smallest part
+double Engine::Impl::least_part_px(const Target& target) const {
+  constexpr double least_share = 0.25;
   const double px_per_mm = target.view.frame->camera.fx / target.view.all.centre_mm().z();
-  return target.view.object->pixels >= least_share * smallest_view_mm2 * px_per_mm * px_per_mm;
+  return least_share * smallest_view_mm2 * px_per_mm * px_per_mm;
+}
+
+bool Engine::Impl::leaves_a_part(const Target& target) const {
+  const double least_px = least_part_px(target);
+  // Of several pieces each is looked at by itself as well.
+  if (target.unexplained_px < least_px || target.view.object->labels.count() > 1) return false;
+  const Hypothesis best = hypothesis_of(target.candidates[0]);
+  return largest_left_px(*target.view.frame, target.view.object->labels, &best, model_of, target.noise_mm) >= least_px;
 }
 
 std::vector<const PartModel*> Engine::Impl::models_to_search(const std::set<int>& heard) const {
@@ -618,14 +640,11 @@ std::vector<Target> Engine::Impl::targets_of(const FramePieces& frame, const std
 }
 
 void Engine::Impl::add_separated(std::vector<Target>& targets, std::vector<Target> separated) const {
-  double explained = 0;
-  std::bitset<256> labels;
-  for (const auto& target : separated) {
-    explained += target.explained();
-    labels |= target.view.object->labels;
-  }
   std::erase_if(targets, [&](const Target& target) {
-    return (target.view.object->labels & labels).any() && target.explained() < explained;
+    double explained = 0;
+    for (const auto& other : separated)
+      if ((target.view.object->labels & other.view.object->labels).any()) explained += other.explained();
+    return target.explained() < explained;
   });
   std::move(separated.begin(), separated.end(), std::back_inserter(targets));
 }
@@ -766,6 +785,8 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
     target.log_likelihoods.push_back(-hypotheses[i].cost);
   }
   const Hypothesis& best = hypotheses[0];
+  const int stride = stride_for(target.view, coarse_pixels);
+  target.unexplained_px = comparisons[best.comparison].unexplained * stride * stride;
   target.best_score =
       rough_probability(comparisons[best.comparison], in_frame(target, best.part, best.camera_from_model));
 }
