@@ -20,6 +20,7 @@ export interface FrameRow {
   best_is_right?: boolean; // whether that candidate names the part shown
   time_ms?: number;
   figures?: Record<string, number>; // of the evaluation, by its keys
+  flags?: Record<string, boolean>; // what it answers with yes or no
   steps?: (number | null)[]; // ms, in the order of Index.steps
   index: number; // set on loading
   group: string; // set on loading
@@ -32,6 +33,7 @@ export interface Index {
   limit_deg: number;
   limit_mm: number;
   thinned: boolean;
+  experiment: boolean; // the frames are of `partpose experiment`
   stages: Record<StageName | 'candidates', boolean>;
   configs: string[];
   problems: string[];

@@ -7,7 +7,8 @@ import { h } from './dom';
 import { decodeCloud, decodeDepth, decodeMesh, unproject, type Cloud, type Depth, type Mesh } from './packet';
 import { inverse, product, rotationError, transform, translationError } from './pose';
 import { sorted } from './list';
-import { addressOf, filtered, poseVerdict, type Filter, type Report } from './state';
+import { poseVerdict } from './measure';
+import { addressOf, filtered, type Filter, type Report } from './state';
 import { View3d, type Coloured, type Part } from './view3d';
 import { noneOfThem, number, stepTip, tipOf, verdictTip, verdictWord, why } from './words';
 
@@ -220,7 +221,8 @@ export class FramePage {
           parts.why, parts.candidates, parts.details,
           figures.length > 0 && h('details', { open: true }, h('summary', {}, 'Evaluation'),
             h('dl', { class: 'facts' }, fact('shown', row.truth === '' ? noneOfThem : row.truth ?? '?'),
-              figures.map(([key, value]) => fact(key.replaceAll('_', ' '), key === 'recognized_correctly' ? (value ? 'yes' : 'no') : number(value), tipOf(key))))),
+              Object.entries(row.flags ?? {}).map(([key, value]) => fact(key.replaceAll('_', ' '), value ? 'yes' : 'no', tipOf(key))),
+              figures.map(([key, value]) => fact(key.replaceAll('_', ' '), number(value), tipOf(key))))),
           h('details', {}, h('summary', {}, 'Where it comes from'),
             h('dl', { class: 'facts' }, fact('scene', header.scene || 'not saved'), fact('folder', header.folder || 'not kept'))),
           h('details', {}, h('summary', {}, 'Configuration'), h('pre', {}, config || 'not saved (debug.save_used_pipeline_config_json)')))));
@@ -513,8 +515,7 @@ export class FramePage {
   }
 
   private writeWhy(): void {
-    const { limits, pair, pairs } = this.report;
-    const [first, ...rest] = why(this.row, this.header, limits, pair, pairs);
+    const [first, ...rest] = why(this.row, this.header, this.report);
     this.parts.why.className = `why ${poseVerdict(this.row, this.report) === 'off' ? 'off' : this.row.verdict}`;
     this.parts.why.replaceChildren(h('p', { class: 'first' }, first), ...rest.map((words) => h('p', {}, words)));
   }

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { FrameRow } from './data';
 import { h } from './dom';
-import { addressOf, filtered, poseVerdict, type Filter, type Report } from './state';
+import { definition, poseVerdict } from './measure';
+import { addressOf, filtered, type Filter, type Report } from './state';
 import { noneOfThem, nothing, number, tipOf, verdictTip, verdictWord } from './words';
 
 type Column = { key: string; label: string; tip: string; value: (row: FrameRow) => string | number | undefined; numeric?: boolean };
@@ -17,12 +18,10 @@ function columns(report: Report): Column[] {
     { key: 'truth', label: 'shown', tip: 'The part that the scene really shows.', value: (row) => (row.truth === '' ? noneOfThem : row.truth) },
     { key: 'result', label: 'recognized', tip: 'The part that was recognized.', value: (row) => row.result || nothing },
     { key: 'verdict', label: 'verdict', tip: 'How the frame came out; the words have explanations of their own.', value: (row) => row.verdict });
-  if (report.pair) {
-    const { deg, mm } = report.pair;
-    out.push(
-      { key: 'pose', label: 'pose', tip: `right: within ${report.limits.deg}\u00b0 and ${report.limits.mm} mm`, value: (row) => poseVerdict(row, report) },
-      { key: 'deg', label: 'rotation \u00b0', tip: tipOf(deg), value: (row) => row.figures?.[deg], numeric: true },
-      { key: 'mm', label: 'translation mm', tip: tipOf(mm), value: (row) => row.figures?.[mm], numeric: true });
+  const { measure, limits } = report;
+  if (measure) {
+    out.push({ key: 'pose', label: 'pose', tip: `right: ${definition(measure, limits)}.`, value: (row) => (row.result ? poseVerdict(row, report) : undefined) });
+    out.push(...measure.figures.map(({ key, label, value }) => ({ key, label, tip: tipOf(key), value, numeric: true })));
   }
   if (report.index.frames.some((row) => row.score !== undefined))
     out.push({ key: 'score', label: 'score', tip: tipOf('score'), value: (row) => row.score, numeric: true });
@@ -57,7 +56,7 @@ export function listPage(report: Report, filter: Filter, again: () => void): Ele
   const names = (of: (row: FrameRow) => string | undefined, empty: string): [string, string][] =>
     [...new Set(report.index.frames.map(of).filter((n): n is string => n !== undefined))].sort().map((n) => [n, n || empty]);
   const verdicts: [string, string][] = [...new Set(report.index.frames.map((row) => row.verdict))].map((v) => [v, verdictWord[v]]);
-  if (report.pair) verdicts.push(['pose_right', 'pose right'], ['pose_off', 'pose off']);
+  if (report.measure) verdicts.push(['pose_right', 'pose right'], ['pose_off', 'pose off']);
   const anything = Object.values(filter).some((value) => value !== undefined);
 
   return h('main', { class: 'list' },

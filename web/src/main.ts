@@ -4,9 +4,9 @@ import { loadIndex } from './data';
 import { h, installTips } from './dom';
 import { FramePage, view } from './frame';
 import { listPage } from './list';
+import { measuresOf } from './measure';
 import { addressOf, readPlace, type Report } from './state';
 import { summaryPage } from './summary';
-import { errorPairs } from './words';
 
 const keys: [string, string][] = [
   ['1 \u2026 6, \u2190 \u2192', 'stage: input, preprocessed, normals, coarse, fine, verdict'],
@@ -46,9 +46,9 @@ async function start(): Promise<void> {
   }
   const index = await loadIndex();
   document.title = `${index.title} \u2013 partpose report`;
-  const pairs = errorPairs(index);
+  const measures = measuresOf(index);
   const report: Report = {
-    index, pairs, pair: pairs[0], limits: { deg: index.limit_deg, mm: index.limit_mm },
+    index, measures, measure: measures[0], limits: { percent: 10, deg: index.limit_deg, mm: index.limit_mm },
     groups: [...new Set(index.frames.map((frame) => frame.group))],
   };
   installTips();

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the address says: #summary, #frames?verdict=wrong, #frame/12?verdict=wrong
 import type { FrameRow, Index } from './data';
-import type { ErrorPair, Limits } from './words';
-import { poseErrors } from './words';
+import { poseVerdict, type Judgement, type Measure } from './measure';
 
 export interface Filter {
   group?: string;
@@ -39,21 +38,10 @@ export function addressOf(page: Place['page'], filter: Filter = {}, frame = 0): 
 }
 
 /** What all pages share. */
-export interface Report {
+export interface Report extends Judgement {
   index: Index;
-  limits: Limits;
-  pairs: ErrorPair[];
-  pair: ErrorPair | undefined; // the one that poses are judged by
+  measures: Measure[];
   groups: string[];
-}
-
-export type PoseVerdict = 'right' | 'off' | undefined;
-
-/** Whether a correctly recognized part's pose is within the limits; undefined: no pose to judge. */
-export function poseVerdict(row: FrameRow, report: Report): PoseVerdict {
-  const errors = report.pair ? poseErrors(row, report.pair) : null;
-  if (!errors) return undefined;
-  return errors.deg < report.limits.deg && errors.mm < report.limits.mm ? 'right' : 'off';
 }
 
 export function filtered(report: Report, filter: Filter): FrameRow[] {

@@ -3,8 +3,9 @@
 import { acceptCurve, acceptPlot, boxPlot, quantile } from './charts';
 import type { FrameRow } from './data';
 import { h } from './dom';
-import { addressOf, filtered, poseVerdict, type Filter, type Report } from './state';
-import { noneOfThem, nothing, number, percent, poseErrors, stepTip, tipOf, verdictTip } from './words';
+import { definition, poseVerdict, type PoseFigure } from './measure';
+import { addressOf, filtered, type Filter, type Report } from './state';
+import { noneOfThem, nothing, number, percent, stepTip, tipOf, verdictTip } from './words';
 
 const go = (filter: Filter) => () => (location.hash = addressOf('frames', filter));
 const unique = (values: string[]) => [...new Set(values)].sort((a, b) => a.localeCompare(b, 'en', { numeric: true }));
@@ -16,7 +17,7 @@ interface Count {
   wrong: number;
   none: number;
   found: number;
-  shown: number; // frames that show a part: those that have a pose to be right
+  judged: number; // those that are not shown to a catalogue without their part: the others have no pose to be right
   poseRight: number;
   times: number[];
 }
@@ -30,7 +31,7 @@ function count(rows: FrameRow[], report: Report): Count {
     wrong: of('wrong'),
     none: of('none'),
     found: of('found'),
-    shown: rows.filter((row) => row.truth && !row.left_out).length,
+    judged: rows.filter((row) => row.truth !== undefined && !row.left_out).length,
     poseRight: rows.filter((row) => poseVerdict(row, report) === 'right').length,
     times: rows.map((row) => row.time_ms).filter((t): t is number => t !== undefined).sort((a, b) => a - b),
   };
@@ -56,9 +57,9 @@ function cards(c: Count, report: Report, filter: Filter): Element {
       card('Wrong part', percent(c.wrong, c.known), `${c.wrong} of ${c.known}`, verdictTip.wrong, go({ ...filter, verdict: 'wrong' }), 'wrong'),
       card('Not recognized', percent(c.none, c.known), `${c.none} of ${c.known}`, verdictTip.none, go({ ...filter, verdict: 'none' }), 'none'),
     );
-    if (report.pair)
-      all.append(card('Pose right', percent(c.poseRight, c.shown), `${c.poseRight} of ${c.shown}`,
-        `Right part, and its pose within ${report.limits.deg}\u00b0 and ${report.limits.mm} mm of the truth, of all frames that show a part. Click: list them.`,
+    if (report.measure)
+      all.append(card('Pose right', percent(c.poseRight, c.judged), `${c.poseRight} of ${c.judged}`,
+        `A pose is right ${definition(report.measure, report.limits)}. ${poseRightOf} Click: list them.`,
         go({ ...filter, verdict: 'pose_right' }), 'correct'));
   } else {
     all.append(card('Recognized', percent(c.found, c.frames), `${c.found} of ${c.frames}`, verdictTip.found, go({ ...filter, verdict: 'found' }), 'found'));
@@ -68,11 +69,13 @@ function cards(c: Count, report: Report, filter: Filter): Element {
   return all;
 }
 
+const poseRightOf = 'Of all frames but those whose part was left out of the catalogue; where none of the parts is shown, to recognize none is right.';
+
 /** One line for each group of frames. */
 function table(title: string, tip: string, lines: { name: string; rows: FrameRow[]; filter: Filter }[], report: Report, known: boolean): Element {
   const head = known
     ? [['frames', 'Scenes of this line.'], ['correct', verdictTip.correct], ['wrong', verdictTip.wrong], ['none', verdictTip.none],
-       ['pose right', `Within ${report.limits.deg}\u00b0 and ${report.limits.mm} mm, of the frames that show a part.`]]
+       ...(report.measure ? [['pose right', `A pose is right ${definition(report.measure, report.limits)}. ${poseRightOf}`]] : [])]
     : [['frames', 'Scenes of this line.']];
   const cell = (value: number, of: number, filter: Filter, colour: string) =>
     h('td', { class: `number clickable ${value ? colour : ''}`, tip: `${value} of ${of}. Click: list them.`, onclick: go(filter) },
@@ -86,7 +89,7 @@ function table(title: string, tip: string, lines: { name: string; rows: FrameRow
         ? [cell(c.correct, c.known, { ...filter, verdict: 'correct' }, 'good'),
            cell(c.wrong, c.known, { ...filter, verdict: 'wrong' }, 'bad'),
            cell(c.none, c.known, { ...filter, verdict: 'none' }, 'poor'),
-           cell(c.poseRight, c.shown, { ...filter, verdict: 'pose_right' }, 'good')]
+           report.measure && cell(c.poseRight, c.judged, { ...filter, verdict: 'pose_right' }, 'good')]
         : '',
       h('td', { class: 'number' }, c.times.length ? number(quantile(c.times, 0.5)) : '\u2013'),
       h('td', { class: 'number' }, c.times.length ? number(quantile(c.times, 0.95)) : '\u2013'));
@@ -133,24 +136,25 @@ function confusion(rows: FrameRow[], filter: Filter): Element {
 }
 
 function errorPlots(rows: FrameRow[], report: Report, filter: Filter, by: string): Element[] {
-  const pair = report.pair;
-  if (!pair) return [h('p', { class: 'quiet' }, 'Pose errors: not saved.')];
+  const { measure, measures, limits } = report;
+  if (!measure) return [h('p', { class: 'quiet' }, 'Pose errors: not saved.')];
   const groupOf = (row: FrameRow) => (by === 'run' ? row.group : row.truth!);
-  const judged = rows.filter((row) => poseErrors(row, pair));
-  const groups = unique(judged.map(groupOf));
-  const plot = (key: string, unit: string, limit: number) =>
-    h('figure', {},
-      h('figcaption', { tip: tipOf(key) }, `${key.replaceAll('_', ' ')}`),
-      boxPlot(groups.map((name) => ({
+  const plot = (figure: PoseFigure, limit?: number) => {
+    const judged = rows.filter((row) => row.verdict === 'correct' && row.truth && !row.left_out && figure.value(row) !== undefined);
+    return h('figure', {},
+      h('figcaption', { tip: tipOf(figure.key) }, figure.key.replaceAll('_', ' ')),
+      boxPlot(unique(judged.map(groupOf)).map((name) => ({
         label: name || '(one run)',
-        values: judged.filter((row) => groupOf(row) === name).map((row) => row.figures![key]),
+        values: judged.filter((row) => groupOf(row) === name).map((row) => figure.value(row)!),
         onclick: go(by === 'run' ? { ...filter, group: name, verdict: 'correct' } : { ...filter, truth: name, verdict: 'correct' }),
-      })), unit, { limit, log: true }));
-  return [plot(pair.deg, 'degrees, logarithmic', report.limits.deg), plot(pair.mm, 'mm, logarithmic', report.limits.mm)];
+      })), `${figure.unit.trim()}, logarithmic`, { limit, log: true }));
+  };
+  const others = measures.filter((other) => other !== measure);
+  return [...measure.figures.map((f) => plot(f, limits[f.limit])), ...others.flatMap((other) => other.figures.map((f) => plot(f)))];
 }
 
 function otherFigures(rows: FrameRow[], report: Report): string[] {
-  const used = new Set(['recognized_correctly', ...report.pairs.flatMap((pair) => [pair.deg, pair.mm])]);
+  const used = new Set(['mssd_mm', 'diameter_mm', ...report.measures.flatMap((measure) => measure.figures.map((figure) => figure.key))]);
   const keys = unique(rows.flatMap((row) => Object.keys(row.figures ?? {})));
   return keys.filter((key) => !used.has(key));
 }
@@ -198,21 +202,20 @@ export function summaryPage(report: Report, filter: Filter, again: () => void): 
       } },
         h('option', { value: '*' }, `all ${report.groups.length} runs`),
         report.groups.map((name) => h('option', { value: name, selected: name === filter.group }, name || '(without a name)')))));
-  if (report.pair) {
-    const limit = (key: 'deg' | 'mm', before: string, unit: string) =>
-      h('label', { tip: 'A pose counts as right below both limits. Changing them changes all figures of this page.' }, before,
-        h('input', { type: 'number', min: 0, step: 'any', value: report.limits[key], onchange: (e: Event) => {
+  const { measure, measures, limits } = report;
+  if (measure) {
+    controls.append(h('label', { tip: `A pose is right ${definition(measure, limits)}. Other errors and limits change all figures of this report.` }, 'A pose is right ',
+      h('select', { id: 'measure', onchange: (e: Event) => {
+        report.measure = measures[(e.target as HTMLSelectElement).selectedIndex];
+        again();
+      } }, measures.map((one) => h('option', { selected: one === measure }, one.name)))));
+    controls.append(h('span', {}, measure.figures.map((figure, i) =>
+      h('label', { tip: 'A pose counts as right below all limits.' }, i === 0 ? 'below ' : ' and ',
+        h('input', { type: 'number', min: 0, step: 'any', value: limits[figure.limit], onchange: (e: Event) => {
           const value = Number((e.target as HTMLInputElement).value);
-          if (value >= 0) report.limits[key] = value;
+          if (value >= 0) limits[figure.limit] = value;
           again();
-        } }), ` ${unit}`);
-    controls.append(h('span', {}, limit('deg', 'A pose is right below ', '\u00b0'), limit('mm', ' and ', 'mm')));
-    if (report.pairs.length > 1)
-      controls.append(h('label', { tip: 'Which of the evaluation\u2019s errors the poses are judged by.' }, 'errors ',
-        h('select', { onchange: (e: Event) => {
-          report.pair = report.pairs[(e.target as HTMLSelectElement).selectedIndex];
-          again();
-        } }, report.pairs.map((pair) => h('option', { selected: pair === report.pair }, pair.name)))));
+        } }), figure.unit))));
   }
   page.append(h('h1', {}, index.title), controls, cards(c, report, own));
   if (index.thinned)

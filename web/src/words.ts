@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-import type { Candidate, FrameHeader, FrameRow, Index, Verdict } from './data';
+import type { Candidate, FrameHeader, FrameRow, Verdict } from './data';
+import { definition, isBelow, poseVerdict } from './measure';
 import { rotationError, translationError } from './pose';
+import type { Report } from './state';
 
 /** Three digits that count. */
 export function number(value: number | undefined | null): string {
@@ -39,7 +41,10 @@ export const nothing = '(nothing)';
 const glossary: Record<string, string> = {
   rotation_error_deg: 'Angle of the rotation that turns the result into the truth, in degrees (reference, eq. 2.2). Symmetry is ignored: a cylinder turned about its axis counts as off.',
   translation_error_mm: 'Distance between the origins of the part at the result and at the truth, in mm (reference, eq. 2.3).',
-  recognized_correctly: '1 when the result names the part that was shown.',
+  recognized_correctly: 'Whether the result names the part that was shown; of a part that was left out of the catalogue, whether nothing was recognized.',
+  indistinguishable: 'Whether this camera cannot tell the result, part and pose, from the truth.',
+  diameter_mm: 'Largest distance of two vertices of the part shown, in mm.',
+  mssd_percent: 'MSSD: the largest distance of a model point between result and truth, over the best of all symmetries, in % of the part\u2019s diameter.',
   add_mm: 'ADD: mean distance between each model point at the result and at the truth, in mm.',
   adi_mm: 'ADI (ADD-S): mean distance from each model point at the truth to the nearest one at the result, in mm; for symmetric parts.',
   mssd_mm: 'MSSD: the largest distance of a model point between result and truth, over the best of all symmetries, in mm.',
@@ -96,38 +101,6 @@ export const stepTip: Record<string, string> = {
   decision: 'The best few, rendered and compared again with more pixels: which is likeliest, and whether it is the part at all.',
 };
 
-export function poseErrors(row: FrameRow, pair: ErrorPair): { deg: number; mm: number } | null {
-  const deg = row.figures?.[pair.deg];
-  const mm = row.figures?.[pair.mm];
-  return row.verdict === 'correct' && row.truth && !row.left_out && deg !== undefined && mm !== undefined ? { deg, mm } : null;
-}
-
-/** The keys of a rotation and a translation error that belong together. */
-export interface ErrorPair {
-  deg: string;
-  mm: string;
-  name: string;
-}
-
-/** The plain pair first, then those that other figures of the evaluation form (symmetry-aware ones). */
-export function errorPairs(index: Index): ErrorPair[] {
-  const keys = new Set(index.frames.flatMap((row) => Object.keys(row.figures ?? {})));
-  const pairs: ErrorPair[] = [];
-  for (const deg of keys) {
-    if (!/rotation_error.*_deg$/.test(deg)) continue;
-    const mm = deg.replace('rotation_error', 'translation_error').replace(/_deg$/, '_mm');
-    if (!keys.has(mm)) continue;
-    const rest = deg.replace('rotation_error', '').replace(/_deg$/, '').replaceAll('_', ' ').trim();
-    pairs.push({ deg, mm, name: rest || 'plain' });
-  }
-  return pairs.sort((a, b) => Number(b.name === 'plain') - Number(a.name === 'plain'));
-}
-
-export interface Limits {
-  deg: number;
-  mm: number;
-}
-
 const partWord = (name: string) => (name === '' ? 'none of the parts' : name);
 
 /** What happened to a candidate of a known truth. */
@@ -136,39 +109,29 @@ function errorsOf(candidate: Candidate, truth: number[]): { deg: number; mm: num
 }
 
 /** Why the verdict is what it is: sentences, the first one the verdict itself. */
-export function why(row: FrameRow, header: FrameHeader, limits: Limits, pair: ErrorPair | undefined, pairs: ErrorPair[]): string[] {
+export function why(row: FrameRow, header: FrameHeader, report: Report): string[] {
+  const { measure, measures, limits } = report;
   const out: string[] = [];
   const { candidates } = header;
   const accepted = candidates[header.accepted];
-  const errors = pair ? poseErrors(row, pair) : null;
-  const right = errors !== null && errors.deg < limits.deg && errors.mm < limits.mm;
-  // Another measure of the evaluation, like the one that knows of symmetry, may say that all is well.
-  const otherwise = right || !errors ? undefined : pairs.find((other) => {
-    const e = poseErrors(row, other);
-    return e !== null && e.deg < limits.deg && e.mm < limits.mm;
-  });
-  const off = errors ? `${number(errors.deg)}\u00b0 and ${number(errors.mm)} mm` : '';
+  const verdict = poseVerdict(row, report);
+  // Another measure, like one that knows of symmetry, may say that all is well.
+  const otherwise = verdict === 'off' ? measures.find((other) => poseVerdict(row, { measure: other, limits }) === 'right') : undefined;
+  const off = measure ? measure.figures.map((f) => `${number(f.value(row))}${f.unit}`).join(' and ') : '';
   switch (row.verdict) {
     case 'correct':
       if (row.left_out) out.push(`Correct: ${row.truth} was shown, which this catalogue does not have, and nothing was recognized.`);
       else if (row.truth === '') out.push('Correct: none of the parts was shown, and none was recognized.');
-      else if (!errors) out.push(`Correct: this is ${row.result}.`);
-      else if (right)
-        out.push(`Correct: this is ${row.result}, and its pose is ${off} off the truth.`);
-      else
-        out.push(
-          `The part is right, ${row.result}, but its pose is ${off} off the truth, beyond ${limits.deg}\u00b0 or ${limits.mm} mm.` +
-            (!otherwise && errors.deg > 60 && errors.mm < limits.mm
-              ? ' A large turn at nearly the right place: the part may look alike from there, or be symmetric.'
-              : ''),
-        );
-      if (otherwise) {
-        const e = poseErrors(row, otherwise)!;
-        out.push(`Judged by the errors \u201c${otherwise.name}\u201d the pose is right: ${number(e.deg)}\u00b0 and ${number(e.mm)} mm off.`);
-      }
+      else if (verdict === undefined) out.push(`Correct: this is ${row.result}.`);
+      else if (verdict === 'right')
+        out.push(`Correct: this is ${row.result}, and its pose is right: ${off} off the truth` +
+          `${isBelow(row, measure!, limits) === 'off' ? ', which this camera cannot tell from here' : ''}.`);
+      else out.push(`The part is right, ${row.result}, but its pose is ${off} off the truth. It would be right ${definition(measure!, limits)}.`);
+      if (otherwise) out.push(`\u201c${otherwise.name}\u201d the pose is right.`);
       break;
     case 'wrong':
       out.push(`Wrong: ${partWord(row.truth ?? '')} was shown, ${row.result} was recognized.`);
+      if (verdict === 'right') out.push('The camera cannot tell the two apart here: the pose counts as right.');
       break;
     case 'none':
       out.push(`Not recognized: ${row.truth} was shown, no candidate was accepted.`);
@@ -196,8 +159,7 @@ export function why(row: FrameRow, header: FrameHeader, limits: Limits, pair: Er
       `${header.candidates_of}${figures.length ? ` (${figures.join(', ')})` : ''}.`);
   }
   // Where the truth was lost.
-  const failed = row.verdict === 'wrong' || row.verdict === 'none' ||
-    (errors !== null && !right && !otherwise);
+  const failed = verdict === 'off' ? !otherwise : verdict !== 'right' && (row.verdict === 'wrong' || row.verdict === 'none');
   if (failed && row.truth && !row.left_out && candidates.length > 0 && candidates.length === header.candidates_of) {
     const own = candidates.filter((c) => c.model_name === row.truth);
     if (own.length === 0) {

@@ -44,6 +44,12 @@ function plyPoints(path) {
   return points;
 }
 
+/** Label, value and note of a card of the summary. */
+const card = (label) => browser.value(`(() => {
+  const card = [...document.querySelectorAll('.card')].find((c) => c.querySelector('.label').textContent === ${JSON.stringify(label)});
+  return [card.querySelector('.value').textContent, card.querySelector('.note').textContent];
+})()`);
+
 const ready = "document.querySelector('main') && !document.querySelector('main .loading')";
 let browser;
 let frames;
@@ -106,16 +112,14 @@ test('opens from disk without network, with the figures of the folder', async ()
   const ms = await browser.goto(report, ready);
   assert.ok(ms < 5000, `${ms} ms`);
   assert.equal(await text('h1'), 'Noisy views <b>of 5 parts</b>'); // text, never HTML
-  const cards = Object.fromEntries(await browser.value(
-    "[...document.querySelectorAll('.card')].map((c) => [c.querySelector('.label').textContent, c.querySelector('.value').textContent])"));
   const count = (verdict) => frames.filter((f) => verdictOf(f) === verdict).length;
   const share = (n) => `${((100 * n) / frames.length).toFixed(1)} %`;
-  assert.equal(cards.Frames, String(frames.length));
-  assert.equal(cards.Correct, share(count('correct')));
-  assert.equal(cards['Wrong part'], share(count('wrong')));
-  assert.equal(cards['Not recognized'], share(count('none')));
+  assert.equal((await card('Frames'))[0], String(frames.length));
+  assert.equal((await card('Correct'))[0], share(count('correct')));
+  assert.equal((await card('Wrong part'))[0], share(count('wrong')));
+  assert.equal((await card('Not recognized'))[0], share(count('none')));
   const right = frames.filter((f) => verdictOf(f) === 'correct' && f.evaluation.rotation_error_deg < 15 && f.evaluation.translation_error_mm < 15);
-  assert.equal(cards['Pose right'], share(right.length));
+  assert.equal((await card('Pose right'))[0], share(right.length));
   await shot('summary');
   assert.ok((await browser.value("document.querySelectorAll('svg.chart .quartiles').length")) > 10);
   quiet();
@@ -124,8 +128,7 @@ test('opens from disk without network, with the figures of the folder', async ()
 test('other limits give other figures', async () => {
   await browser.value("(() => { const input = document.querySelector('input[type=number]'); input.value = '0.5'; input.dispatchEvent(new Event('change')); })()");
   const right = frames.filter((f) => verdictOf(f) === 'correct' && f.evaluation.rotation_error_deg < 0.5 && f.evaluation.translation_error_mm < 15);
-  const value = await browser.value("[...document.querySelectorAll('.card')].find((c) => c.textContent.includes('Pose right')).querySelector('.note').textContent");
-  assert.equal(value, `${right.length} of ${frames.length}`);
+  assert.equal((await card('Pose right'))[1], `${right.length} of ${frames.length}`);
 });
 
 test('summary, cell of the confusion matrix, frame, every stage, every candidate', async () => {
@@ -357,6 +360,40 @@ test('experiments: frames.jsonl with runs, frames without a folder, a line cut o
   await shot('not_saved');
   await browser.goto(path('experiment/report.html'), ready, '#frame/1');
   assert.match(await text('.candidates'), /Not saved/);
+  quiet();
+});
+
+test('poses are right as the command line counts them: up to symmetry, and to what the camera can tell', async () => {
+  const share = (n, of) => [`${((100 * n) / of).toFixed(1)} %`, `${n} of ${of}`];
+  const choose = (name) => browser.value(`(() => {
+    const select = document.getElementById('measure');
+    select.selectedIndex = [...select.options].findIndex((o) => o.textContent === ${JSON.stringify(name)});
+    select.dispatchEvent(new Event('change'));
+  })()`);
+  const scenes = join(root, 'experiments/scenes_stereo.json');
+  writeFileSync(path('my_parts.json'), JSON.stringify({
+    name: 'parts with symmetries',
+    groups: [{ name: 'round', parts: ['bracket', 'flange', 'plain_shaft', 'keyed_shaft'].map((part) => join(root, `parts/${part}.stl`)) }],
+    protocols: [{ name: 'at rest', scenes, frames: 16 }, { name: 'not in the catalogue', scenes, frames: 4, left_out: true }],
+    configurations: [{ name: 'engine' }],
+  }));
+  const [known, leftOut] = JSON.parse(run('experiment', 'my_parts.json', '--output', 'my_results', '--json')).runs;
+  run('report', 'my_results');
+  await browser.goto(path('my_results/report.html'), ready);
+  assert.deepEqual(await card('Pose right'), share(known.seen_right, known.frames));
+  const byRun = await browser.value("[...document.querySelector('table.figures').querySelectorAll('tbody tr')].map((row) => row.children[5].textContent)");
+  assert.deepEqual(byRun, [`${share(known.seen_right, known.frames)[0]} ${known.seen_right}`, '\u2013 0'], leftOut.run);
+  await choose('symmetry ignored');
+  assert.deepEqual(await card('Pose right'), share(known.pose_right, known.frames));
+  assert.ok(known.pose_right < known.seen_right, 'the two measures differ on these parts');
+
+  const { kinds } = JSON.parse(run('captured', join(root, 'scenes'), '--models', join(root, 'parts'), '--output', 'captured', '--json'));
+  const sum = (key) => Object.values(kinds).reduce((all, kind) => all + kind[key], 0);
+  run('report', 'captured');
+  await browser.goto(path('captured/report.html'), ready);
+  assert.deepEqual(await card('Pose right'), share(sum('pose_right'), sum('frames')));
+  await choose('symmetry ignored');
+  assert.notDeepEqual(await card('Pose right'), share(sum('pose_right'), sum('frames')));
   quiet();
 });
 

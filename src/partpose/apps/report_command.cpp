@@ -51,9 +51,13 @@ void add_report_command(CLI::App& app, const Common& common) {
   report->add_option("folder", arguments->folder, "What --output of recognize, evaluate or captured wrote")->required();
   report->add_option("-o,--output", arguments->output, "File to write (default: report.html in the folder)");
   report->add_option("--title", arguments->options.title, "Heading (default: the folder's name)");
-  report->add_option("--limit-deg", arguments->options.limit_deg, "A pose is right below this rotation error")
+  report
+      ->add_option("--limit-deg", arguments->options.limit_deg,
+                   "Where poses are judged in degrees and mm: right below this rotation error")
       ->capture_default_str();
-  report->add_option("--limit-mm", arguments->options.limit_mm, "A pose is right below this translation error")
+  report
+      ->add_option("--limit-mm", arguments->options.limit_mm,
+                   "Where poses are judged in degrees and mm: right below this translation error")
       ->capture_default_str();
   report->add_option("--max-mb", arguments->most_mb, "Points and depth images are thinned until the file is smaller")
       ->check(CLI::PositiveNumber)

@@ -116,7 +116,7 @@ void take_evaluation(const Json& evaluation, SavedFrame& frame) {
     frame.truth->camera_from_model = find<Eigen::Isometry3d>(evaluation, "ground_truth_transformation_matrix");
   for (const auto& [key, value] : evaluation.items()) {
     if (key == "ground_truth_model_id" || key == "ground_truth_view_id") continue;
-    if (value.is_boolean()) frame.figures[key] = value.get<bool>();
+    if (value.is_boolean()) frame.flags[key] = value.get<bool>();
     if (value.is_number() && value.get<double>() >= 0) frame.figures[key] = value.get<double>();
   }
 }
@@ -174,6 +174,7 @@ class Reader {
     std::sort(iterations.begin(), iterations.end());
     std::sort(experiments.begin(), experiments.end());
     total_ = iterations.size();
+    out_.experiment = !experiments.empty();
     for (const auto& path : experiments) read_lines(path);
     for (const auto& folder : iterations)
       if (!taken_.contains(folder)) add_iteration(folder);

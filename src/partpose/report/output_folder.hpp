@@ -62,6 +62,7 @@ struct SavedFrame {
   std::optional<int> candidate_id;
   std::optional<Eigen::Isometry3d> camera_from_model;  ///< the result's
   std::map<std::string, double> figures;               ///< every number of the evaluation, by its key
+  std::map<std::string, bool> flags;                   ///< what it answers with yes or no
   Verdict verdict = Verdict::nothing;
   std::string reason;                      ///< why nothing was recognized
   std::vector<SavedCandidate> candidates;  ///< in the order of the decision
@@ -78,6 +79,7 @@ struct SavedFrame {
 struct OutputFolder {
   std::filesystem::path folder;
   std::vector<SavedFrame> frames;
+  bool experiment = false;            ///< it holds a frames.jsonl
   std::vector<std::string> problems;  ///< files that could not be read, one line each
 };
 

@@ -337,6 +337,7 @@ class ReportWriter {
     index["limit_deg"] = options_.limit_deg;
     index["limit_mm"] = options_.limit_mm;
     index["thinned"] = thinned_;
+    index["experiment"] = saved_.experiment;
     const ReportStages& s = options_.stages;
     index["stages"] = {
         {"input", s.input}, {"preprocessed", s.preprocessed}, {"normals", s.normals},      {"coarse", s.coarse},
@@ -368,6 +369,7 @@ class ReportWriter {
         json["figures"] = Json::object();
         for (const auto& [key, value] : frame.figures) json["figures"][key] = rounded(value, 1e4);
       }
+      if (!frame.flags.empty()) json["flags"] = frame.flags;
       if (!frame.steps.empty()) {
         json["steps"] = Json::array();
         for (const auto& tag : steps.keys()) {

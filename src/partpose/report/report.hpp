@@ -30,7 +30,7 @@ ReportStages stages_of(const VisualizeOptions& visualize);
 struct ReportOptions {
   std::string title = {};  ///< empty: the folder's name
   ReportStages stages = {};
-  double limit_deg = 15;                ///< a pose is right below this rotation error; can be changed on the page
+  double limit_deg = 15;                ///< in degrees and mm a pose is right below this; can be changed on the page
   double limit_mm = 15;                 ///< and below this translation error
   std::size_t most_bytes = 28'000'000;  ///< of the file: points and depth images are thinned to stay below
 

@@ -256,6 +256,9 @@ TEST(OutputFolder, VerdictsAreWhatTheFilesSay) {
   EXPECT_TRUE(read.problems.empty());
   EXPECT_EQ(read.frames[0].figures.at("rotation_error_deg"), 2.5);
   EXPECT_FALSE(read.frames[1].figures.contains("rotation_error_deg")) << "-1 is no value";
+  EXPECT_TRUE(read.frames[0].flags.at("recognized_correctly"));
+  EXPECT_FALSE(read.frames[1].flags.at("recognized_correctly"));
+  EXPECT_FALSE(read.experiment);
   EXPECT_FALSE(read.frames[0].has_extras);
   EXPECT_TRUE(read.frames[0].input.empty());
   EXPECT_FALSE(read.frames[0].time_ms);
@@ -306,6 +309,7 @@ TEST(OutputFolder, LinesOfAnExperimentWithAndWithoutFolders) {
       << R"({"run":"r","fra)";
   const OutputFolder read = read_output_folder(folder.path());
   ASSERT_EQ(read.frames.size(), 4u) << "three lines, and the folder that no line names";
+  EXPECT_TRUE(read.experiment);
   EXPECT_EQ(read.frames[0].name, "7");
   EXPECT_EQ(read.frames[0].descriptor, "vfh");
   EXPECT_EQ(read.frames[0].verdict, Verdict::correct);
