@@ -147,9 +147,9 @@ export async function loadIndex(): Promise<Index> {
   const index = JSON.parse(new TextDecoder().decode(await inflate('index'))) as Index;
   index.frames.forEach((frame, i) => {
     frame.index = i;
-    // An experiment's run has the other two in its name.
+    // An experiment's run has the other two in its name, and "-" where there is no descriptor.
     const more = [frame.protocol, frame.descriptor].filter((name) => name && name !== '-' && !frame.run?.includes(name));
-    frame.group = [frame.run, ...more].filter(Boolean).join(' \u00b7 ');
+    frame.group = [frame.run?.replace(/ \/ -$/, ''), ...more].filter(Boolean).join(' \u00b7 ');
   });
   return index;
 }

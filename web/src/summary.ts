@@ -161,7 +161,7 @@ function otherFigures(rows: FrameRow[], report: Report): string[] {
 
 /** What a run is compared as: its name without the protocol, as scenes with and without a part are different protocols. */
 const pipelineOf = (row: FrameRow) =>
-  row.group.split(/ \/ | \u00b7 /).filter((name) => name !== row.protocol && name !== '-').join(' / ');
+  row.group.split(/ \/ | \u00b7 /).filter((name) => name !== row.protocol).join(' / ');
 
 /** The curve over all thresholds of each pipeline that saw scenes with and without a part of its catalogue. */
 function accepts(rows: FrameRow[]): Element | null {

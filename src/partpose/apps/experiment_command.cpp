@@ -61,9 +61,11 @@ void run(const ExperimentArguments& arguments, const Common& common) {
   fmt::print("{:<60} {:>6} {:>9} {:>11} {:>11} {:>12} {:>12} {:>10}\n", "run", "frames", "correct %", "incorrect %",
              "no result %", "limits %", "pose right %", "median ms");
   for (const auto& s : summarize_runs(records, spec)) {
-    fmt::print("{:<60} {:>6} {:>9.1f} {:>11.1f} {:>11.1f} {:>12.1f} {:>12.1f} {:>10.1f}\n", s.run, s.frames,
-               s.percent(s.correct), s.percent(s.wrong), s.percent(s.none), s.percent(s.pose_right),
-               s.percent(s.seen_right), quantile(s.times_ms, 0.5));
+    // Of a part that is not in the catalogue there is no pose.
+    const auto of_poses = [&](int count) { return s.left_out ? "-" : fmt::format("{:.1f}", s.percent(count)); };
+    fmt::print("{:<60} {:>6} {:>9.1f} {:>11.1f} {:>11.1f} {:>12} {:>12} {:>10.1f}\n", title_of_run(s.run), s.frames,
+               s.percent(s.correct), s.percent(s.wrong), s.percent(s.none), of_poses(s.pose_right),
+               of_poses(s.seen_right), quantile(s.times_ms, 0.5));
   }
   fmt::print(
       "pose right: MSSD below 10 % of the diameter up to symmetry, or part and pose that the camera cannot tell from "

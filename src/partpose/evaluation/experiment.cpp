@@ -427,7 +427,7 @@ void Experiment::draw_failures(const std::string& run, const std::vector<TestSce
       "# Failing frames: {}\n\n![failing frames]({}.png)\n\nRow by row as in the picture{}. Green: where the objects "
       "are; orange: what was recognized.\n\n| row, column | what went wrong | frame | shown | recognized as | score | "
       "MSSD / diameter [%] |\n|---|---|---|---|---|---:|---:|\n",
-      run, name, drawn < failures.size() ? fmt::format(", which has the first {}", drawn) : "");
+      title_of_run(run), name, drawn < failures.size() ? fmt::format(", which has the first {}", drawn) : "");
   std::vector<ColourImage> pictures(drawn);
   const auto draw_one = [&](std::size_t i) {
     const FrameRecord& record = failures[i].second;
@@ -476,11 +476,7 @@ FrameRecord Experiment::recognize(const TestScene& test, const PartRecognizer& r
   record.stages = recognition.stages;
   record.time_ms = recognition.total_ms();
 
-  const bool pose_right = record.evaluation.ground_truth_model_name.empty() || record.left_out ||
-                          (record.evaluation.rotation_error_deg < spec_.limit_deg &&
-                           record.evaluation.translation_error_mm < spec_.limit_mm);
-  const bool is_failure = !record.evaluation.recognized_correctly || !pose_right;
-  if (spec_.save_frames == "all" || (spec_.save_frames == "failures" && is_failure)) {
+  if (spec_.save_frames == "all" || (spec_.save_frames == "failures" && failure_of(record))) {
     const fs::path folder = output_ / "frames" / file_name_of(record.run);
     GlobalPipelineConfig saved = config;
     saved.debug.save_extras_json = saved.debug.save_point_clouds = true;
@@ -600,6 +596,8 @@ void check_inputs(const fs::path& file, const Json& now) {
 }
 
 }  // namespace
+
+std::string title_of_run(const std::string& run) { return run.ends_with(" / -") ? run.substr(0, run.size() - 4) : run; }
 
 std::vector<FrameRecord> run_experiment(const fs::path& spec_file, const fs::path& output, const Progress& progress,
                                         const std::function<void(ExperimentSpec&)>& adjust) {

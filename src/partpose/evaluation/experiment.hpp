@@ -164,6 +164,9 @@ struct FrameRecord {
   }
 };
 
+/// A run's name for people: without the "-" of a configuration that has no descriptor.
+std::string title_of_run(const std::string& run);
+
 /// Runs all frames that `output` does not have yet, and writes the tables. What `output` holds:
 /// experiment.json (the spec as it is run), frames.jsonl (one line per finished frame, written at once, so that a run
 /// that was killed goes on where it stopped), frames/ (output folders), datasets/, and the tables of write_tables().

@@ -98,7 +98,7 @@ std::vector<Runs> by_group_and_protocol(const std::vector<RunSummary>& summaries
 
 Table recognition_table(const Runs& runs) {
   Table table(
-      {"Descriptor", "Total", "Correct", "Of total [%]", "Incorrect", "Of total [%]", "No result", "Of total [%]"});
+      {"Configuration", "Total", "Correct", "Of total [%]", "Incorrect", "Of total [%]", "No result", "Of total [%]"});
   for (const auto* run : runs)
     table.add({short_name(*run), number(run->frames), number(run->correct), number(run->percent(run->correct)),
                number(run->wrong), number(run->percent(run->wrong)), number(run->none),
@@ -107,7 +107,7 @@ Table recognition_table(const Runs& runs) {
 }
 
 Table pose_table(const Runs& runs) {
-  Table table({"Descriptor", "Under both", "Of correct [%]", "Of total [%]", "MSSD < 10 % [%]", "MSSD < 5 % [%]",
+  Table table({"Configuration", "Under both", "Of correct [%]", "Of total [%]", "MSSD < 10 % [%]", "MSSD < 5 % [%]",
                "MSSD < 10 % or not to be told apart [%]", "Rotation median [deg]", "Translation median [mm]"});
   for (const auto* run : runs)
     table.add({short_name(*run), number(run->pose_right), number(share_percent(run->pose_right, run->correct)),
@@ -148,7 +148,7 @@ Table time_table(const Runs& runs) {
   for (const auto* run : runs)
     for (const auto& [step, times] : run->stage_ms)
       if (std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
-  std::vector<std::string> columns = {"Descriptor", "frame, median [ms]", "frame, p95 [ms]"};
+  std::vector<std::string> columns = {"Configuration", "frame, median [ms]", "frame, p95 [ms]"};
   columns.insert(columns.end(), steps.begin(), steps.end());
   Table table(columns);
   for (const auto* run : runs) {
@@ -165,7 +165,7 @@ Table time_table(const Runs& runs) {
 
 /// Each object asked for, and each detection.
 Table objects_table(const Runs& runs) {
-  Table table({"Descriptor", "Objects", "Found", "Found [%]", "Pose right [%]", "Detections", "Wrong", "Wrong [%]"});
+  Table table({"Configuration", "Objects", "Found", "Found [%]", "Pose right [%]", "Detections", "Wrong", "Wrong [%]"});
   for (const auto* run : runs)
     table.add({short_name(*run), number(run->objects), number(run->objects_found),
                number(share_percent(run->objects_found, run->objects)),
@@ -175,7 +175,7 @@ Table objects_table(const Runs& runs) {
 }
 
 Table bounds_table(const Runs& runs) {
-  Table table({"Descriptor", "Frames", "Left out", "Rotation bound [deg]", "Rotation error / bound",
+  Table table({"Configuration", "Frames", "Left out", "Rotation bound [deg]", "Rotation error / bound",
                "Translation bound [mm]", "Translation error / bound"});
   for (const auto* run : runs)
     table.add({short_name(*run), number(static_cast<int>(run->rotation_bounds_deg.size())),

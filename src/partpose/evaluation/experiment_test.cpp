@@ -379,7 +379,9 @@ TEST_F(Experiments, TheEngineNeedsMeshesAlone) {
 
   // The argument stands before the file.
   write_json_file(folder / "spec.json", spec);
-  EXPECT_EQ(run_experiment(folder / "spec.json", folder / "few", {}, [](ExperimentSpec& s) { s.most_frames = 3; }).size(), 6u);
+  EXPECT_EQ(
+      run_experiment(folder / "spec.json", folder / "few", {}, [](ExperimentSpec& s) { s.most_frames = 3; }).size(),
+      6u);
   spec["most_frames"] = -1;
   EXPECT_PRED2(mentions, error_of_run(spec, "bad"), "most_frames -1: must be 0 or more");
 }
@@ -427,18 +429,20 @@ TEST_F(Experiments, CapturedScenesOfTheGroupsParts) {
   EXPECT_TRUE(run(spec, "no kind").empty());
 }
 
+TEST(Experiment, ARunWithoutADescriptorIsShownWithoutIt) {
+  EXPECT_EQ(title_of_run("a / b / engine / -"), "a / b / engine");
+  EXPECT_EQ(title_of_run("a / b / D / vfh"), "a / b / D / vfh");
+}
+
 TEST_F(Experiments, WhichFramesAreKept) {
   Json spec = small_spec();
   spec["protocols"][0]["views"] = "noisy_views.json";
   const auto none = run(spec, "none");
   EXPECT_FALSE(fs::exists(folder / "none/frames"));
-  // A limit that half of the right ones are above.
-  const double limit_mm = quantile(summarize_runs(none, {})[0].translation_errors_mm, 0.5);
-  ASSERT_GT(limit_mm, 0);
-  spec["limit_mm"] = limit_mm;
+  // As poses are judged: neither MSSD below 10 % of the diameter, nor to be taken for the truth.
   const auto is_failure = [&](const FrameRecord& r) {
-    return !r.evaluation.recognized_correctly || r.evaluation.rotation_error_deg >= 15 ||
-           r.evaluation.translation_error_mm >= limit_mm;
+    const Evaluation& e = r.evaluation;
+    return !e.indistinguishable.value_or(false) && !(e.recognized_correctly && *e.mssd_mm < 0.1f * *e.diameter_mm);
   };
   spec["save_frames"] = "failures";
   const auto records = run(spec, "failures");
@@ -454,6 +458,11 @@ TEST_F(Experiments, WhichFramesAreKept) {
   }
   EXPECT_GT(failures, 0);
   EXPECT_LT(failures, 24);
+  // The list has the same ones, below a heading of two lines.
+  int listed = -2;
+  for (const auto& line : lines_of(folder / "failures/failures/two-parts---views---D---vfh.md"))
+    listed += line[0] == '|';
+  EXPECT_EQ(listed, failures);
   EXPECT_EQ(kept_folders(folder / "failures"), folders_of(records));
   expect_same(none, records);
 }
