@@ -59,7 +59,7 @@ export function boxPlot(boxes: Box[], unit: string, options: { log?: boolean; li
   const log = options.log === true && positive.length > 0;
   const max = Math.max(...all.map((x) => x), options.limit ?? 0, 1e-9) * 1.03;
   const min = log ? Math.max(Math.min(...positive), max * 1e-6) / 1.2 : 0;
-  const labelWidth = Math.min(190, 14 + 6.6 * Math.max(...rows.map((row) => row.label.length)));
+  const labelWidth = Math.min(290, 14 + 6.6 * Math.max(...rows.map((row) => row.label.length)));
   const [width, rowHeight, top] = [640, 26, 8];
   const right = width - 56;
   const x = (value: number) => {
@@ -84,7 +84,7 @@ export function boxPlot(boxes: Box[], unit: string, options: { log?: boolean; li
   rows.forEach((row, i) => {
     const d = row.d!;
     const y = top + i * rowHeight + rowHeight / 2;
-    const label = row.label.length > 27 ? row.label.slice(0, 26) + '\u2026' : row.label;
+    const label = row.label.length > 42 ? `${row.label.slice(0, 20)}\u2026${row.label.slice(-20)}` : row.label; // both ends tell
     const group = svg(
       'g',
       {

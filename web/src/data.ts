@@ -14,7 +14,6 @@ export interface FrameRow {
   protocol?: string;
   descriptor?: string;
   reason?: string;
-  score?: number; // of the accepted candidate
   left_out?: boolean; // the part shown was taken out of the catalogue: nothing should be recognized
   best_score?: number; // of the best candidate, accepted or not
   best_is_right?: boolean; // whether that candidate names the part shown

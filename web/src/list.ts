@@ -23,8 +23,8 @@ function columns(report: Report): Column[] {
     out.push({ key: 'pose', label: 'pose', tip: `right: ${definition(measure, limits)}.`, value: (row) => (row.result ? poseVerdict(row, report) : undefined) });
     out.push(...measure.figures.map(({ key, label, value }) => ({ key, label, tip: tipOf(key), value, numeric: true })));
   }
-  if (report.index.frames.some((row) => row.score !== undefined))
-    out.push({ key: 'score', label: 'score', tip: tipOf('score'), value: (row) => row.score, numeric: true });
+  if (report.index.frames.some((row) => row.best_score !== undefined))
+    out.push({ key: 'score', label: 'score', tip: `${tipOf('score')} Of the best candidate, accepted or not.`, value: (row) => row.best_score, numeric: true });
   out.push({ key: 'time', label: 'ms', tip: tipOf('time_ms'), value: (row) => row.time_ms, numeric: true });
   return out;
 }

@@ -59,13 +59,13 @@ async function start(): Promise<void> {
   let lastList = addressOf('frames');
 
   const draw = () => {
-    const place = readPlace();
+    const place = readPlace(index.frames.length);
     frame = null;
     if (place.page === 'frames') lastList = addressOf('frames', place.filter);
     links.replaceChildren(
       h('a', { href: addressOf('summary'), class: place.page === 'summary' ? 'here' : '', tip: 'All frames in numbers (s)' }, 'Summary'),
       h('a', { href: lastList, class: place.page === 'frames' ? 'here' : '', tip: 'The list of frames (f)' }, `Frames (${index.frames.length})`),
-      place.page === 'frame' && index.frames[place.frame] ? h('a', { href: location.hash, class: 'here' }, 'Frame') : '');
+      place.page === 'frame' && index.frames[place.frame] ? h('a', { href: addressOf('frame', place.filter, place.frame), class: 'here' }, 'Frame') : '');
     if (place.page === 'frame' && index.frames[place.frame]) {
       const next = new FramePage(report, place.filter, place.frame);
       frame = next;
@@ -103,7 +103,7 @@ async function start(): Promise<void> {
     else if (event.key === 's') location.hash = addressOf('summary');
     else if (event.key === 'f') location.hash = lastList;
     else if (!frame?.key(event)) {
-      if (event.key === 'Escape' && readPlace().page === 'frames') location.hash = addressOf('summary');
+      if (event.key === 'Escape' && readPlace(index.frames.length).page === 'frames') location.hash = addressOf('summary');
       return;
     }
     event.preventDefault();

@@ -20,8 +20,9 @@ export interface Place {
 
 const keys = ['group', 'verdict', 'truth', 'result', 'text'] as const;
 
-export function readPlace(): Place {
-  const [path, query = ''] = location.hash.slice(1).split('?');
+/** Without an address a report of one frame opens on it: its summary says no more. */
+export function readPlace(frames: number): Place {
+  const [path, query = ''] = (location.hash || (frames === 1 ? addressOf('frame') : '')).slice(1).split('?');
   const values = new URLSearchParams(query);
   const filter: Filter = {};
   for (const key of keys) if (values.has(key)) filter[key] = values.get(key)!;

@@ -147,7 +147,7 @@ function errorPlots(rows: FrameRow[], report: Report, filter: Filter, by: string
         label: name || '(one run)',
         values: judged.filter((row) => groupOf(row) === name).map((row) => figure.value(row)!),
         onclick: go(by === 'run' ? { ...filter, group: name, verdict: 'correct' } : { ...filter, truth: name, verdict: 'correct' }),
-      })), `${figure.unit.trim()}, logarithmic`, { limit, log: true }));
+      })), `${figure.unit.trim().replace('\u00b0', 'degrees')}, logarithmic`, { limit, log: true }));
   };
   const others = measures.filter((other) => other !== measure);
   return [...measure.figures.map((f) => plot(f, limits[f.limit])), ...others.flatMap((other) => other.figures.map((f) => plot(f)))];

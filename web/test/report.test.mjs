@@ -389,6 +389,12 @@ test('poses are right as the command line counts them: up to symmetry, and to wh
   assert.deepEqual(await card('Pose right'), share(known.pose_right, known.frames));
   assert.ok(known.pose_right < known.seen_right, 'the two measures differ on these parts');
 
+  assert.deepEqual(await browser.value("[...document.querySelectorAll('figcaption')].filter((c) => /indistinguishable|diameter/.test(c.textContent)).length"), 0);
+  await browser.goto(path('my_results/report.html'), ready, '#frames?group=round+%2F+at+rest+%2F+engine');
+  const head = await texts('table.frames th'), scores = await browser.value(`[...document.querySelectorAll('table.frames tbody tr')].map((row) => row.children[${head.indexOf('score')}].textContent)`);
+  assert.equal(scores.length, known.frames);
+  assert.ok(scores.every((score) => Number(score) > 0), `scores of frames that were not saved: ${scores}`);
+
   const { kinds } = JSON.parse(run('captured', join(root, 'scenes'), '--models', join(root, 'parts'), '--output', 'captured', '--json'));
   const sum = (key) => Object.values(kinds).reduce((all, kind) => all + kind[key], 0);
   run('report', 'captured');
@@ -406,7 +412,7 @@ test('the flags of debug.visualize select the stages', async () => {
   writeFileSync(path('visualize.json'), JSON.stringify(config));
   run('recognize', '--dataset', 'dataset', '--config', 'visualize.json', '--output', 'visualized', 'test/models/0001/views/0003.pcd');
   const [iteration] = readdirSync(path('visualized')).filter((name) => name !== 'meshes');
-  await browser.goto(path(`visualized/${iteration}/report.html`), ready, '#frame/0');
+  await browser.goto(path(`visualized/${iteration}/report.html`), "document.querySelector('main[data-frame=\"0\"]')"); // the only frame
   assert.deepEqual(await browser.value("[...document.querySelectorAll('.stages button')].map((b) => b.dataset.stage)"), ['normals', 'fine']);
   for (const stage of ['normals', 'fine']) {
     await browser.click(`.stages [data-stage=${stage}]`);

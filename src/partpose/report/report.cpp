@@ -378,8 +378,6 @@ class ReportWriter {
           json["steps"].push_back(it == frame.steps.end() ? Json() : Json(rounded(it->ms, 1e2)));
         }
       }
-      for (const auto& candidate : frame.candidates)
-        if (frame.candidate_id && candidate.id == *frame.candidate_id) set_if(json, "score", candidate.score);
       index["frames"].push_back(std::move(json));
     }
     return index;
