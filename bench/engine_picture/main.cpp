@@ -46,7 +46,7 @@ ColourImage relief(const DepthImage& depth, const Intrinsics& frame, const Intri
   for (int v = 0; v < panel_height; ++v)
     for (int u = 0; u < panel_width; ++u)
       if (const int p = source_of(u, v, panel, frame); p >= 0) shown.at(u, v) = depth.z_mm[p];
-  return draw_overlay(shown, panel, std::nullopt);
+  return draw_overlay(shown, panel);
 }
 
 void draw_outline(ColourImage& image, const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,

@@ -402,9 +402,9 @@ void bind_outputs(nb::module_& m) {
         if (depth.width != camera.width || depth.height != camera.height)
           throw Error("depth image of {} x {} px with a camera of {} x {} px", depth.width, depth.height, camera.width,
                       camera.height);
-        std::optional<PlacedMesh> part;
-        if (mesh && camera_from_model) part.emplace(PlacedMesh{*mesh, *camera_from_model});
-        auto* image = new ColourImage(draw_overlay(depth, camera, part));
+        std::vector<PlacedMesh> parts;
+        if (mesh && camera_from_model) parts.push_back({*mesh, *camera_from_model});
+        auto* image = new ColourImage(draw_overlay(depth, camera, parts));
         const nb::capsule owner(image, [](void* p) noexcept { delete static_cast<ColourImage*>(p); });
         return nb::ndarray<nb::numpy, std::uint8_t, nb::shape<-1, -1, 3>>(
             image->pixels.data()->data(), {std::size_t(image->height), std::size_t(image->width), 3}, owner);

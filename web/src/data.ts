@@ -95,6 +95,15 @@ export interface Candidate {
   cloud?: CloudSection;
 }
 
+/** An object that was recognized. */
+export interface Detection {
+  model_name: string;
+  pose: Rows;
+  score?: number;
+  confidence?: number;
+  mesh?: number;
+}
+
 export interface Step {
   tag: string;
   ms: number;
@@ -108,6 +117,7 @@ export interface FrameHeader {
   candidates: Candidate[]; // in the order of the decision; only the accepted one where the others were not asked for
   candidates_of: number;
   accepted: number;
+  detections: Detection[]; // all objects, the result first; of a recognizer that knows no detections none
   result_pose?: Rows;
   result_mesh?: number;
   truth_pose?: Rows;

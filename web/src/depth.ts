@@ -50,6 +50,15 @@ export function rasterize(mesh: Mesh, pose: Rows, camera: Depth): Rendered {
   return { z, shade };
 }
 
+/** What is nearest at each pixel. */
+export function nearest(all: Rendered[]): Rendered {
+  const [out, ...others] = all;
+  for (const { z, shade } of others)
+    for (let i = 0; i < z.length; ++i)
+      if (z[i] > 0 && (out.z[i] === 0 || z[i] < out.z[i])) [out.z[i], out.shade[i]] = [z[i], shade[i]];
+  return out;
+}
+
 /** Each pixel the mean of those around it that are no further than 10 mm off: noise would hide the relief. */
 function smoothed(depth: Depth): Depth {
   const { width, height, z } = depth;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
 import { bars } from './charts';
-import { loadFrame, loadMesh, type Candidate, type FrameHeader, type FrameRow, type Packet, type Rows, type StageName } from './data';
-import { paint, rasterize, type Rendered } from './depth';
+import { loadFrame, loadMesh, type Candidate, type Detection, type FrameHeader, type FrameRow, type Packet, type Rows, type StageName } from './data';
+import { nearest, paint, rasterize, type Rendered } from './depth';
 import { h } from './dom';
 import { decodeCloud, decodeDepth, decodeMesh, unproject, type Cloud, type Depth, type Mesh } from './packet';
 import { inverse, product, rotationError, transform, translationError } from './pose';
@@ -10,7 +10,7 @@ import { sorted } from './list';
 import { poseVerdict } from './measure';
 import { addressOf, filtered, type Filter, type Report } from './state';
 import { View3d, type Coloured, type Part } from './view3d';
-import { noneOfThem, number, stepTip, tipOf, verdictTip, verdictWord, why } from './words';
+import { isEngines, noneOfThem, number, savedBy, stepTip, tipOf, verdictTip, verdictWord, why } from './words';
 
 export const stageNames: StageName[] = ['input', 'preprocessed', 'normals', 'coarse', 'fine', 'verdict'];
 const stageLabel: Record<StageName, string> = {
@@ -58,7 +58,7 @@ async function load(index: number): Promise<Loaded> {
     return section ? decodeCloud(sections, section) : null;
   };
   const depth = header.depth ? decodeDepth(sections, header.depth) : null;
-  const needed = new Set([header.result_mesh, header.truth_mesh, ...header.candidates.map((c) => c.mesh)]);
+  const needed = new Set([header.result_mesh, header.truth_mesh, ...[...header.candidates, ...header.detections].map((c) => c.mesh)]);
   const loaded = new Map<number, Mesh>();
   for (const i of needed) {
     const mesh = await meshOf(i);
@@ -93,15 +93,30 @@ function byDistance(points: Float32Array, dark: boolean): Float32Array {
 }
 
 function merged(parts: Coloured[]): Coloured {
-  const length = parts.reduce((sum, part) => sum + part.points.length, 0);
-  const out = { points: new Float32Array(length), colours: new Float32Array(length) };
+  return { points: joined(parts.map((part) => part.points)), colours: joined(parts.map((part) => part.colours)) };
+}
+
+function joined(parts: Float32Array[]): Float32Array {
+  const out = new Float32Array(parts.reduce((sum, part) => sum + part.length, 0));
   let at = 0;
   for (const part of parts) {
-    out.points.set(part.points, at);
-    out.colours.set(part.colours, at);
-    at += part.points.length;
+    out.set(part, at);
+    at += part.length;
   }
   return out;
+}
+
+/** The corners of a box about the points, with room around them. */
+function surroundings(points: Float32Array): Float32Array {
+  const lo = [Infinity, Infinity, Infinity];
+  const hi = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < points.length; ++i) {
+    lo[i % 3] = Math.min(lo[i % 3], points[i]);
+    hi[i % 3] = Math.max(hi[i % 3], points[i]);
+  }
+  const margin = 0.25 * Math.max(...hi.map((high, a) => high - lo[a]));
+  return new Float32Array([0, 1, 2, 3, 4, 5, 6, 7].flatMap((corner) =>
+    [0, 1, 2].map((a) => ((corner >> a) & 1 ? hi[a] + margin : lo[a] - margin))));
 }
 
 function plain(points: Float32Array, colour: [number, number, number]): Coloured {
@@ -138,6 +153,7 @@ export class FramePage {
     tools: h('div', { class: 'tools' }),
     depth: h('figure', { class: 'depth' }),
     why: h('section', { class: 'why' }),
+    objects: h('section', { class: 'objects' }),
     candidates: h('section', { class: 'candidates' }),
     details: h('section', { class: 'details' }),
   };
@@ -169,7 +185,7 @@ export class FramePage {
   }
 
   private stages(): StageName[] {
-    return stageNames.filter((name) => this.report.index.stages[name]);
+    return stageNames.filter((name) => this.report.index.stages[name] && (!isEngines(this.header) || name === 'input' || name === 'verdict'));
   }
 
   private step(by: number): string {
@@ -218,14 +234,15 @@ export class FramePage {
               })), 'ms'),
               this.flow()))),
         h('div', { class: 'right' },
-          parts.why, parts.candidates, parts.details,
+          parts.why, parts.objects, parts.candidates, parts.details,
           figures.length > 0 && h('details', { open: true }, h('summary', {}, 'Evaluation'),
             h('dl', { class: 'facts' }, fact('shown', row.truth === '' ? noneOfThem : row.truth ?? '?'),
               Object.entries(row.flags ?? {}).map(([key, value]) => fact(key.replaceAll('_', ' '), value ? 'yes' : 'no', tipOf(key))),
               figures.map(([key, value]) => fact(key.replaceAll('_', ' '), number(value), tipOf(key))))),
           h('details', {}, h('summary', {}, 'Where it comes from'),
             h('dl', { class: 'facts' }, fact('scene', header.scene || 'not saved'), fact('folder', header.folder || 'not kept'))),
-          h('details', {}, h('summary', {}, 'Configuration'), h('pre', {}, config || 'not saved (debug.save_used_pipeline_config_json)')))));
+          (config || !isEngines(header)) && h('details', {}, h('summary', {}, 'Configuration'),
+            h('pre', {}, config || (this.report.index.experiment ? 'see experiment.json' : 'not saved (debug.save_used_pipeline_config_json)'))))));
     this.buildDepth();
     let width = 0;
     new ResizeObserver(() => {
@@ -252,10 +269,19 @@ export class FramePage {
 
   private aim(): void {
     const l = this.loaded!;
-    const points = (l.withNormals ?? l.preprocessedOnly ?? l.input)?.points ?? new Float32Array();
-    const poses = [l.header.result_pose, l.header.truth_pose].filter((p): p is Rows => p !== undefined);
-    const own = points.length ? points : new Float32Array(poses.flatMap((p) => [p[3] - 50, p[7] - 50, p[11] - 50, p[3] + 50, p[7] + 50, p[11] + 50]));
-    view.aim(own);
+    const { header } = l;
+    const best = header.candidates[this.selected];
+    const placed: [number | undefined, Rows | undefined][] = [
+      ...header.detections.map((d): [number | undefined, Rows] => [d.mesh, d.pose]),
+      [header.result_mesh, header.result_pose], [header.truth_mesh, header.truth_pose], [best?.mesh, best?.fine]];
+    // The segmented object, or where a whole frame has parts; or all that there is.
+    const parts = placed.flatMap(([mesh, pose]) => {
+      const loaded = l.meshes.get(mesh ?? -1);
+      return loaded && pose ? [transform(pose, loaded.points)] : [];
+    });
+    const points = (l.withNormals ?? l.preprocessedOnly)?.points;
+    const own = points ?? (parts.length ? joined(parts) : l.input?.points ?? new Float32Array());
+    view.aim(points ?? (parts.length ? surroundings(own) : own));
     // The part of the depth image around it.
     const depth = l.depth;
     if (!depth) return;
@@ -312,7 +338,7 @@ export class FramePage {
     const figure = this.parts.depth;
     const section = l.header.depth;
     if (!l.depth || !section) {
-      figure.replaceChildren(h('figcaption', {}, 'Depth image'), h('p', { class: 'quiet' }, 'not saved (debug.save_point_clouds)'));
+      figure.replaceChildren(h('figcaption', {}, 'Depth image'), h('p', { class: 'quiet' }, `not saved (${savedBy(this.report, 'save_point_clouds')})`));
       return;
     }
     const changes = [
@@ -360,8 +386,8 @@ export class FramePage {
     this.parts.candidates.querySelector('[aria-selected=true]')?.scrollIntoView({ block: 'nearest' });
   }
 
-  show(stage: StageName): void {
-    if (!this.stages().includes(stage)) return;
+  show(stage: StageName | undefined): void {
+    if (!stage || !this.stages().includes(stage)) return;
     choice.stage = stage;
     this.refresh();
   }
@@ -388,15 +414,25 @@ export class FramePage {
     return { mesh: l.meshes.get(candidate.mesh ?? -1), pose, cloud };
   }
 
+  /** The other objects that were recognized, where the result is shown. */
+  private others(): { mesh: Mesh; pose: Rows }[] {
+    if (choice.stage !== 'verdict') return [];
+    return this.header.detections.slice(1).flatMap(({ mesh, pose }) => {
+      const loaded = this.loaded!.meshes.get(mesh ?? -1);
+      return loaded ? [{ mesh: loaded, pose }] : [];
+    });
+  }
+
   private refresh(): void {
     const l = this.loaded!;
     const { parts } = this;
-    parts.stages.replaceChildren(...this.stages().map((name) =>
-      h('button', { role: 'tab', 'aria-selected': String(name === choice.stage), 'data-stage': name, tip: `${stageTip[name]} (key ${stageNames.indexOf(name) + 1})`, onclick: () => this.show(name) },
-        h('small', {}, stageNames.indexOf(name) + 1), ` ${stageLabel[name]}`)));
+    parts.stages.replaceChildren(...this.stages().map((name, i) =>
+      h('button', { role: 'tab', 'aria-selected': String(name === choice.stage), 'data-stage': name, tip: `${stageTip[name]} (key ${i + 1})`, onclick: () => this.show(name) },
+        h('small', {}, i + 1), ` ${stageLabel[name]}`)));
     const shown = this.shownPart();
     const truthMesh = l.meshes.get(l.header.truth_mesh ?? -1);
-    this.part = shown?.mesh && l.depth ? rasterize(shown.mesh, shown.pose, l.depth) : null;
+    const solids = [...(shown?.mesh ? [{ mesh: shown.mesh, pose: shown.pose }] : []), ...this.others()];
+    this.part = solids.length && l.depth ? nearest(solids.map(({ mesh, pose }) => rasterize(mesh, pose, l.depth!))) : null;
     const withTruth = choice.truth && shown !== null && truthMesh && l.header.truth_pose;
     this.truth = withTruth && l.depth ? rasterize(truthMesh, l.header.truth_pose!, l.depth) : null;
     if (!shown && choice.truth && choice.stage === 'verdict' && truthMesh && l.header.truth_pose && l.depth)
@@ -404,6 +440,7 @@ export class FramePage {
     this.drawDepth();
     this.draw3d(shown, truthMesh);
     this.writeWhy();
+    this.writeObjects();
     this.writeCandidates();
     this.writeDetails();
   }
@@ -437,7 +474,7 @@ export class FramePage {
         clouds.push({ points: l.input.points, colours: byDistance(l.input.points, dark) });
         words = count(l.input.points.length / 3, l.input.of);
         size = spacing(l.input.points);
-      } else missing = 'The input was not saved (debug.save_point_clouds).';
+      } else missing = `The input was not saved (${savedBy(this.report, 'save_point_clouds')}).`;
     } else if (stage === 'preprocessed') {
       const all = [kept, dropped].filter((c): c is Cloud => c !== null);
       for (const c of all) clouds.push({ points: c.points, colours: new Float32Array() });
@@ -445,7 +482,7 @@ export class FramePage {
       clouds.splice(0, clouds.length, { points, colours: byDistance(points, dark) });
       words = count(points.length / 3, all.reduce((sum, c) => sum + c.of, 0));
       size = spacing(points);
-      if (points.length === 0) missing = l.header.steps.length ? 'No point was left, or the cloud was not saved (debug.save_point_clouds).' : 'The cloud was not saved (debug.save_point_clouds).';
+      if (points.length === 0) missing = `${l.header.steps.length ? 'No point was left, or the' : 'The'} cloud was not saved (${savedBy(this.report, 'save_point_clouds')}).`;
     } else if (stage === 'normals') {
       if (kept?.normals) {
         const colours = new Float32Array(kept.points.length);
@@ -458,7 +495,7 @@ export class FramePage {
         if (dropped) clouds.push(plain(dropped.points, [0.3, 0.3, 0.3]));
         words = `${count(kept.points.length / 3, kept.of)} with a normal${dropped ? `, ${dropped.of.toLocaleString('en')} dropped` : ''}`;
         size = spacing(kept.points);
-      } else missing = 'Normals were not saved (debug.save_point_clouds), or there were none.';
+      } else missing = `Normals were not saved (${savedBy(this.report, 'save_point_clouds')}), or there were none.`;
     } else {
       const scene = kept ?? l.input;
       if (scene) {
@@ -470,12 +507,13 @@ export class FramePage {
         words = `${stage === 'coarse' ? 'coarse alignment of' : stage === 'fine' ? 'refined' : this.selected === l.header.accepted ? 'accepted:' : 'not accepted:'} candidate ${candidate.id}, ${candidate.model_name}`;
       else if (stage === 'verdict') words = this.row.result ? `result: ${this.row.result}` : 'nothing recognized';
       if (shown && !shown.mesh && !shown.cloud) missing = 'The part\u2019s mesh was not saved.';
-      if (!shown && stage !== 'verdict') missing = l.header.has_extras ? 'There were no candidates.' : 'The candidates were not saved (debug.save_extras_json).';
+      if (!shown && stage !== 'verdict') missing = l.header.has_extras ? 'There were no candidates.' : `The candidates were not saved (${savedBy(this.report, 'save_extras_json')}).`;
       if (stage === 'coarse' && candidate && !candidate.coarse) missing = 'The coarse pose was not saved.';
     }
     const solid: Part[] = [];
     if (shown?.mesh) solid.push({ mesh: shown.mesh, pose: shown.pose, colour: this.selected === l.header.accepted || stage !== 'verdict' ? '#f0902a' : '#b9835a', style: 'solid' });
     else if (shown?.cloud) clouds.push(plain(shown.cloud, [0.9, 0.28, 0.03]));
+    for (const { mesh, pose } of this.others()) solid.push({ mesh, pose, colour: '#f0902a', style: 'solid' });
     if (shown && choice.all)
       l.header.candidates.forEach((candidate, i) => {
         const mesh = l.meshes.get(candidate.mesh ?? -1);
@@ -494,10 +532,10 @@ export class FramePage {
     this.parts.missing.hidden = missing === '';
   }
 
-  /** The scene's points, blue and red where the part lies behind or before them. */
+  /** The scene's points, blue and red where the part lies behind or before them, as the part where they agree: it shows. */
   private byAgreement(points: Float32Array, dark: boolean): Coloured {
     const depth = this.loaded!.depth;
-    const neutral: [number, number, number] = dark ? [0.42, 0.47, 0.53] : [0.13, 0.16, 0.2];
+    const neutral: [number, number, number] = dark ? [0.2, 0.23, 0.27] : [0.33, 0.37, 0.43];
     const out = plain(points, neutral);
     if (!depth || !this.part) return out;
     for (let i = 0; i < points.length; i += 3) {
@@ -510,6 +548,7 @@ export class FramePage {
       if (part === 0) continue;
       if (part < z - 5) out.colours.set([0.78, 0.05, 0.03], i);
       else if (part > z + 5) out.colours.set([0.06, 0.15, 0.82], i);
+      else out.colours.set([0.93, 0.38, 0.08], i);
     }
     return out;
   }
@@ -520,12 +559,36 @@ export class FramePage {
     this.parts.why.replaceChildren(h('p', { class: 'first' }, first), ...rest.map((words) => h('p', {}, words)));
   }
 
+  private writeObjects(): void {
+    const { detections } = this.header;
+    const has = (key: 'score' | 'confidence') => detections.some((d) => d[key] !== undefined);
+    const look = ({ mesh, pose }: Detection) => {
+      const loaded = this.loaded!.meshes.get(mesh ?? -1);
+      if (loaded) view.aim(surroundings(transform(pose, loaded.points)));
+    };
+    this.parts.objects.hidden = detections.length < 2;
+    this.parts.objects.replaceChildren(
+      h('h2', { tip: 'All objects of the frame that were recognized, the one that is explained best first; that one is judged and explained above. Click: look at it.' },
+        `Objects (${detections.length})`),
+      h('table', {},
+        h('thead', {}, h('tr', {}, h('th', {}, 'part'), has('score') && h('th', { class: 'number', tip: tipOf('score') }, 'score'),
+          has('confidence') && h('th', { class: 'number', tip: tipOf('confidence') }, 'confidence'),
+          h('th', { class: 'number', tip: tipOf('position') }, 'position mm'))),
+        h('tbody', {}, detections.map((d) =>
+          h('tr', { class: 'clickable', onclick: () => look(d) }, h('td', {}, d.model_name),
+            has('score') && h('td', { class: 'number' }, number(d.score)),
+            has('confidence') && h('td', { class: 'number' }, number(d.confidence)),
+            h('td', { class: 'number' }, [3, 7, 11].map((i) => d.pose[i].toFixed(1)).join(' ')))))));
+  }
+
   private writeCandidates(): void {
     const { candidates, accepted, truth_pose: truth } = this.header;
+    const engines = isEngines(this.header);
     const has = (key: keyof Candidate) => candidates.some((c) => c[key] !== undefined);
-    const head: [string, string][] = [['', 'Place in the order of the decision. \u2713: accepted.'], ['part', 'The part of this hypothesis.'], ['view', tipOf('view_id')]];
+    const head: [string, string][] = [['', 'Place in the order of the decision. \u2713: accepted.'], ['part', 'The part of this hypothesis.']];
+    if (!engines) head.push(['view', tipOf('view_id')]);
     if (has('score')) head.push(['score', tipOf('score')]);
-    if (has('icp_fitness')) head.push(['fit mm', tipOf('icp_fitness')]);
+    if (has('icp_fitness') && !engines) head.push(['fit mm', tipOf('icp_fitness')]);
     if (has('match_distance')) head.push(['match', tipOf('match_distance')]);
     if (truth) head.push(['\u0394\u00b0', tipOf('d_rotation')], ['\u0394 mm', tipOf('d_translation')]);
     const own = (c: Candidate) => truth && c.model_name === this.row.truth;
@@ -533,16 +596,16 @@ export class FramePage {
       h('h2', { tip: 'Hypotheses: a view of a part, and where it would lie. In the order of the decision. Arrow keys up and down select.' },
         `Candidates${candidates.length < this.header.candidates_of ? ` (${candidates.length} of ${this.header.candidates_of})` : candidates.length ? ` (${candidates.length})` : ''}`),
       candidates.length === 0
-        ? h('p', { class: 'quiet' }, this.header.has_extras ? 'None.' : 'Not saved (debug.save_extras_json).')
+        ? h('p', { class: 'quiet' }, this.header.has_extras ? 'None.' : `Not saved (${savedBy(this.report, 'save_extras_json')}).`)
         : h('div', { class: 'scroll' }, h('table', {},
             h('thead', {}, h('tr', {}, head.map(([label, tip]) => h('th', { tip, class: label === 'part' || label === '' ? '' : 'number' }, label)))),
             h('tbody', {}, candidates.map((c, i) =>
               h('tr', { class: 'clickable', 'aria-selected': String(i === this.selected), 'data-candidate': i, onclick: () => this.select(i), tip: c.verdict || undefined },
                 h('td', {}, i === accepted ? '\u2713' : String(c.place)),
                 h('td', { class: own(c) ? 'own' : '' }, c.model_name),
-                h('td', { class: 'number' }, c.view_id),
+                !engines && h('td', { class: 'number' }, c.view_id),
                 has('score') && h('td', { class: 'number' }, number(c.score)),
-                has('icp_fitness') && h('td', { class: 'number' }, number(c.icp_fitness)),
+                has('icp_fitness') && !engines && h('td', { class: 'number' }, number(c.icp_fitness)),
                 has('match_distance') && h('td', { class: 'number' }, number(c.match_distance)),
                 truth && [
                   h('td', { class: 'number' }, own(c) ? number(rotationError(this.poseOf(c), truth)) : '\u2013'),
@@ -554,7 +617,9 @@ export class FramePage {
     const candidate = this.header.candidates[this.selected];
     if (!candidate) return this.parts.details.replaceChildren();
     const pose = this.poseOf(candidate);
-    const keys = ['id', 'score', 'icp_fitness', 'icp_converged', 'match_distance', 'points', 'points_refinement', 'scene_points', 'explained_scene_points', 'visible_model_points', 'unexplained_model_points'] as const;
+    const keys = isEngines(this.header)
+      ? (['id', 'score', 'match_distance'] as const)
+      : (['id', 'score', 'icp_fitness', 'icp_converged', 'match_distance', 'points', 'points_refinement', 'scene_points', 'explained_scene_points', 'visible_model_points', 'unexplained_model_points'] as const);
     const triangles = candidate.mesh === undefined ? null : this.report.index.meshes[candidate.mesh];
     const value = (v: number | boolean) => (typeof v === 'boolean' ? (v ? 'yes' : 'no') : Number.isInteger(v) ? String(v) : number(v));
     this.parts.details.replaceChildren(
@@ -580,7 +645,7 @@ export class FramePage {
     if (event.shiftKey && key.startsWith('Arrow')) {
       const [x, y] = ({ ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] } as Record<string, number[]>)[key];
       view.turn(x * 0.1, y * 0.1);
-    } else if (/^[1-6]$/.test(key)) this.show(stageNames[Number(key) - 1]);
+    } else if (/^[1-6]$/.test(key)) this.show(stages[Number(key) - 1]);
     else if (key === 'ArrowRight') this.show(stages[Math.min(stages.length - 1, at + 1)]);
     else if (key === 'ArrowLeft') this.show(stages[Math.max(0, at - 1)]);
     else if (key === 'ArrowDown') this.select(this.selected + 1);

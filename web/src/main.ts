@@ -9,7 +9,7 @@ import { addressOf, readPlace, type Report } from './state';
 import { summaryPage } from './summary';
 
 const keys: [string, string][] = [
-  ['1 \u2026 6, \u2190 \u2192', 'stage: input, preprocessed, normals, coarse, fine, verdict'],
+  ['1 \u2026 6, \u2190 \u2192', 'the stages above the 3-D view'],
   ['\u2191 \u2193', 'candidate'],
   ['n, p', 'next, previous frame of the list'],
   ['Shift + arrows, + \u2212', 'turn, zoom'],

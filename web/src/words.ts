@@ -51,7 +51,9 @@ const glossary: Record<string, string> = {
   mspd_px: 'MSPD: the largest distance in the image of a projected model point between result and truth, over the best of all symmetries, in pixels.',
   vsd: 'VSD: share of the visible pixels whose depth differs between result and truth by more than the tolerance; 0 is perfect.',
   score: 'How well part and measured depth explain each other when the part is rendered at this pose. Of the Engine (the default) the probability that the part is what is seen; of the Recognizer a share of pixels, 1 all, 0 nothing.',
-  icp_fitness: 'How far scene and part lie apart after the refinement, in mm: mean nearest distance; of Engine and Recognizer the root mean square of the depths\u2019 differences. Smaller is better.',
+  icp_fitness: 'How far scene and part lie apart after the refinement, in mm: mean nearest distance; of the Recognizer the root mean square of the depths\u2019 differences. Smaller is better.',
+  confidence: 'Probability that part and pose are right, up to what this camera cannot tell apart.',
+  position: 'Of the part\u2019s origin in the camera frame: x right, y down, z forward, in mm.',
   match_distance: 'How unlike scene and view are; smaller is more alike. Of descriptors the L1 distance: compare only within one descriptor. Of the Engine the mean difference of the template\u2019s cells.',
   icp_converged: 'Whether the refinement stopped because the pose no longer changed.',
   view_id: 'The view of the part, in the dataset, that matched.',
@@ -101,6 +103,12 @@ export const stepTip: Record<string, string> = {
   decision: 'The best few, rendered and compared again with more pixels: which is likeliest, and whether it is the part at all.',
 };
 
+/** Whether the Engine recognized the frame: it has none of the pipelines' stages, and matches no views of a dataset. */
+export const isEngines = (header: FrameHeader) => header.steps.length > 0 && !header.steps.some((step) => step.tag === 'preprocessing');
+
+/** What must be set for something to be saved; `key`: of a configuration's debug. */
+export const savedBy = (report: Report, key: string) => (report.index.experiment ? 'the experiment\u2019s save_frames: "all"' : `debug.${key}`);
+
 const partWord = (name: string) => (name === '' ? 'none of the parts' : name);
 
 /** What happened to a candidate of a known truth. */
@@ -142,11 +150,12 @@ export function why(row: FrameRow, header: FrameHeader, report: Report): string[
     case 'nothing':
       out.push('Nothing was recognized. What was really shown is not known.');
   }
-  if (row.reason && row.result === '') out.push(`The pipeline says: ${row.reason}.`);
+  if (header.detections.length > 1) out.push(`Also recognized: ${header.detections.slice(1).map((d) => d.model_name).join(', ')}.`);
+  if (row.reason && row.result === '') out.push(`The recognizer says: ${row.reason}.`);
   if (accepted) {
     const figures = [
       accepted.score !== undefined ? `score ${number(accepted.score)}` : '',
-      accepted.icp_fitness !== undefined ? `fitness ${number(accepted.icp_fitness)} mm` : '',
+      accepted.icp_fitness !== undefined && !isEngines(header) ? `fitness ${number(accepted.icp_fitness)} mm` : '',
       accepted.explained_scene_points !== undefined && accepted.scene_points
         ? `${percent(accepted.explained_scene_points, accepted.scene_points)} of the scene explained`
         : '',
@@ -154,9 +163,11 @@ export function why(row: FrameRow, header: FrameHeader, report: Report): string[
         ? `${accepted.unexplained_model_points} of ${accepted.visible_model_points} visible points of the part without a measured point near`
         : '',
     ].filter(Boolean);
-    const place = accepted.place === 1 ? 'the first in the order of the decision' : `number ${accepted.place} in the order of the decision`;
-    out.push(`Accepted: candidate ${accepted.id}, ${accepted.model_name} seen as in view ${accepted.view_id}, ${place} of ` +
-      `${header.candidates_of}${figures.length ? ` (${figures.join(', ')})` : ''}.`);
+    const seen = isEngines(header) ? '' : ` seen as in view ${accepted.view_id}`;
+    const place = header.candidates_of === 1
+      ? 'the only one'
+      : `${accepted.place === 1 ? 'the first' : `number ${accepted.place}`} of ${header.candidates_of} in the order of the decision`;
+    out.push(`Accepted: candidate ${accepted.id}, ${accepted.model_name}${seen}, ${place}${figures.length ? ` (${figures.join(', ')})` : ''}.`);
   }
   // Where the truth was lost.
   const failed = verdict === 'off' ? !otherwise : verdict !== 'right' && (row.verdict === 'wrong' || row.verdict === 'none');
@@ -181,6 +192,6 @@ export function why(row: FrameRow, header: FrameHeader, report: Report): string[
       out.push(`${row.truth} is among the candidates at place ${candidates.indexOf(own[0]) + 1}${own[0].verdict ? `: ${own[0].verdict}` : ''}.`);
     }
   }
-  if (!header.has_extras) out.push('The candidates were not saved (debug.save_extras_json).');
+  if (!header.has_extras) out.push(`The candidates were not saved (${savedBy(report, 'save_extras_json')}).`);
   return out;
 }

@@ -331,6 +331,43 @@ test('a recognized depth frame, its truth unknown', async () => {
   quiet();
 });
 
+test('all objects of a frame, drawn and listed; no stages that the engine does not have', async () => {
+  run('scenes', '--models', join(root, 'parts'), '--frames', '3', '--parts', '5', '--seed', '3', '--output', 'several');
+  const { width, height, fx, fy, cx, cy, depth_scale: depth_scale_mm } = json(path('several/camera.json'));
+  writeFileSync(path('several/depth.camera.json'), JSON.stringify({ width, height, fx, fy, cx, cy, depth_scale_mm }));
+  run('recognize', '--models', join(root, 'parts'), '--camera', 'several/depth.camera.json', '--output', 'objects', '--jsonl', 'objects.jsonl', 'several/test/000001/depth/000002.png');
+  const { detections } = json(path('objects.jsonl'));
+  assert.ok(detections.length > 1, 'a frame of several objects');
+  run('report', 'objects');
+  await browser.goto(path('objects/report.html'), "document.querySelector('main[data-frame=\"0\"]')");
+  assert.deepEqual(await texts('.objects td:first-child'), detections.map((d) => d.model_name));
+  assert.match(await text('.why'), new RegExp(`Also recognized: ${detections.slice(1).map((d) => d.model_name).join(', ')}\\.`));
+  assert.deepEqual(await browser.value("[...document.querySelectorAll('.stages button')].map((b) => b.dataset.stage)"), ['input', 'verdict']);
+  assert.deepEqual((await texts('.candidates th')).filter((label) => ['view', 'fit mm'].includes(label)), []);
+  assert.doesNotMatch(await text('.right'), /points|icp|view 0|Configuration/);
+  // In the depth image each is orange where its points are.
+  const drawn = await browser.value(`(async () => {
+    await new Promise(requestAnimationFrame);
+    document.querySelector('.depth button').click();  // the whole image
+    const canvas = document.querySelector('.depthImage');
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const orange = new Set();
+    for (let i = 0; i < data.length; i += 4) if (data[i] > 1.4 * data[i + 1] && data[i + 1] > 1.8 * data[i + 2]) orange.add(i / 4);
+    return [canvas.width, [...orange]];
+  })()`);
+  const [imageWidth, orange] = [drawn[0], new Set(drawn[1])];
+  for (const { model_name, T } of detections) {
+    const [x, y, z] = T.slice(0, 3).map((row) => row[3]);
+    let near = 0;
+    for (let dv = -40; dv <= 40; ++dv)
+      for (let du = -40; du <= 40; ++du)
+        near += orange.has((Math.round(cy + (fy * y) / z) + dv) * imageWidth + Math.round(cx + (fx * x) / z) + du);
+    assert.ok(near > 200, `${model_name}: ${near} px`);
+  }
+  await shot('objects');
+  quiet();
+});
+
 test('experiments: frames.jsonl with runs, frames without a folder, a line cut off, a broken file', async () => {
   const folder = path('experiment');
   mkdirSync(folder);
@@ -394,6 +431,10 @@ test('poses are right as the command line counts them: up to symmetry, and to wh
   const head = await texts('table.frames th'), scores = await browser.value(`[...document.querySelectorAll('table.frames tbody tr')].map((row) => row.children[${head.indexOf('score')}].textContent)`);
   assert.equal(scores.length, known.frames);
   assert.ok(scores.every((score) => Number(score) > 0), `scores of frames that were not saved: ${scores}`);
+  const unsaved = readFileSync(path('my_results/frames.jsonl'), 'utf8').trim().split('\n').findIndex((line) => JSON.parse(line).folder === '');
+  await browser.goto(path('my_results/report.html'), ready, `#frame/${unsaved}`);
+  assert.match(await text('.candidates'), /save_frames: "all"/);
+  assert.doesNotMatch(await text('main'), /debug\./);
 
   const { kinds } = JSON.parse(run('captured', join(root, 'scenes'), '--models', join(root, 'parts'), '--output', 'captured', '--json'));
   const sum = (key) => Object.values(kinds).reduce((all, kind) => all + kind[key], 0);

@@ -206,7 +206,7 @@ void add_captured_command(CLI::App& app, const Common& common) {
       "-o,--output", arguments->output,
       "Write an iteration output folder for each scene here, with evaluation.json in it (partpose report)");
   captured->add_option("--pictures", arguments->pictures,
-                       "Write a picture of each scene with the part drawn over it here");
+                       "Write a picture of each scene with all that was recognized drawn over it here");
   add_recognizer_option(*captured, arguments->recognizer);
   add_min_score_option(*captured, arguments->min_score);
   captured->add_option("--cache", arguments->cache,

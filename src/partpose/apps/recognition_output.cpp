@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace partpose::apps {
 
@@ -136,17 +135,18 @@ void note_stages(const Common& common, const Recognition& recognition) {
 }
 
 ColourImage picture_of(const Scene& scene, const Recognition& recognition, const Catalogue& catalogue) {
-  std::optional<PlacedMesh> part;
-  if (recognition.accepted >= 0) {
+  std::vector<PlacedMesh> parts;
+  for (const auto& detection : recognition.detections)
+    parts.push_back({catalogue.parts[detection.part].mesh, detection.camera_from_model});
+  if (parts.empty() && recognition.accepted >= 0) {
     const auto& candidate = recognition.candidates[recognition.accepted];
-    part.emplace(
-        PlacedMesh{catalogue.parts[catalogue.views[candidate.view_row].part].mesh, candidate.camera_from_model});
+    parts.push_back({catalogue.parts[catalogue.views[candidate.view_row].part].mesh, candidate.camera_from_model});
   }
-  if (scene.depth) return draw_overlay(*scene.depth, *scene.intrinsics, part);
+  if (scene.depth) return draw_overlay(*scene.depth, *scene.intrinsics, parts);
   const PointCloud seen = before_camera(scene.cloud);
   const auto camera = intrinsics_of(seen, 10);
-  if (!camera) return draw_overlay(DepthImage(64, 48), Intrinsics::from_field_of_view(64, 48, 50, 40), part);
-  return draw_overlay(to_depth_image(seen, *camera), *camera, part);
+  if (!camera) return draw_overlay(DepthImage(64, 48), Intrinsics::from_field_of_view(64, 48, 50, 40), parts);
+  return draw_overlay(to_depth_image(seen, *camera), *camera, parts);
 }
 
 }  // namespace partpose::apps

@@ -56,7 +56,7 @@ class PictureNames {
   std::map<std::string, int> count_;
 };
 
-/// The scene with the part drawn over it; a cloud is drawn as a camera that just covers it would see it.
+/// The scene with all that was recognized drawn over it; a cloud is drawn as a camera that just covers it would see it.
 ColourImage picture_of(const Scene& scene, const Recognition& recognition, const Catalogue& catalogue);
 
 }  // namespace partpose::apps

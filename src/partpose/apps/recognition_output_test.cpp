@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/apps/recognition_output.hpp"
 
+#include "tests/shapes.hpp"
+
 #include <gtest/gtest.h>
 
 namespace partpose::apps {
@@ -23,6 +25,7 @@ Recognition one_object() {
   Candidate candidate;
   candidate.view_row = 0;
   candidate.score = 0.75f;
+  candidate.camera_from_model = at(1);
   recognition.candidates = {candidate};
   recognition.accepted = 0;
   recognition.result.model_name = "bracket";
@@ -63,6 +66,24 @@ TEST(RecognitionOutput, AllObjectsAsJson) {
   EXPECT_FALSE(line["detections"][1].contains("explanation"));
   EXPECT_EQ(line["detections"][1]["T"], to_json(at(50)));
   EXPECT_TRUE(line["detections"][1]["alternatives"].empty());
+}
+
+TEST(RecognitionOutput, APictureShowsAllObjects) {
+  Catalogue catalogue = two_parts();
+  for (auto& part : catalogue.parts) part.mesh = shapes::box({20, 20, 20});
+  Scene scene;
+  scene.depth.emplace(480, 360);
+  scene.intrinsics = Intrinsics{480, 360, 600, 600, 239.5, 179.5};
+  const auto drawn = [&](const Recognition& recognition) {
+    const ColourImage picture = picture_of(scene, recognition, catalogue);
+    const auto is_drawn = [&](double x_mm) {
+      const Eigen::Vector2d pixel = scene.intrinsics->project(at(x_mm).translation());
+      return picture.pixels[std::lround(pixel.y()) * 480 + std::lround(pixel.x())] != picture.pixels[0];
+    };
+    return std::vector<bool>{is_drawn(1), is_drawn(50), is_drawn(-50)};
+  };
+  EXPECT_EQ(drawn(one_object()), (std::vector<bool>{true, false, false}));
+  EXPECT_EQ(drawn(two_objects()), (std::vector<bool>{true, true, false}));
 }
 
 TEST(RecognitionOutput, WithoutStatedCertaintyTheResultIsTheOneDetection) {

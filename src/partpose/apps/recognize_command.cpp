@@ -109,7 +109,7 @@ void add_recognize_command(CLI::App& app, const Common& common) {
   recognize->add_option("--jsonl", arguments->jsonl,
                         "Write one JSON line for each scene here (-: standard output, as --json)");
   recognize->add_option("--pictures", arguments->pictures,
-                        "Write a picture of each scene with the part drawn over it here");
+                        "Write a picture of each scene with all that was recognized drawn over it here");
   recognize->add_option("-o,--output", arguments->output,
                         "Write an iteration output folder for each scene here (see the configuration's \"debug\")");
   recognize->footer(

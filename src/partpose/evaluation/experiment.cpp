@@ -435,7 +435,7 @@ void Experiment::draw_failures(const std::string& run, const std::vector<TestSce
         std::find_if(scenes.begin(), scenes.end(), [&](const auto& s) { return s.name == record.frame; });
     const auto frame = scene == scenes.end() ? std::nullopt : judged_frame(*scene, scene->read());
     pictures[i] = frame ? picture_of_failure(record, scene->objects, judge, *frame)
-                        : draw_overlay(DepthImage(320, 240), {320, 240, 300, 300, 159.5, 119.5}, std::nullopt);
+                        : draw_overlay(DepthImage(320, 240), {320, 240, 300, 300, 159.5, 119.5});
   };
   parallel_for(drawn, draw_one);
   for (std::size_t i = 0; i < failures.size(); ++i) {

@@ -116,7 +116,7 @@ ColourImage picture_of_failure(const FrameRecord& record, const std::vector<Obje
   else if (record.result.candidate_id >= 0)
     things.push_back({&judge.mesh(record.result.model_name), record.result.T_final, orange});
   const Intrinsics camera = cut_around(things, frame.camera);
-  ColourImage picture = draw_overlay(resampled(frame.depth, frame.camera, camera), camera, std::nullopt);
+  ColourImage picture = draw_overlay(resampled(frame.depth, frame.camera, camera), camera);
   for (const auto& thing : things) draw_outline(picture, thing, camera);
   return picture;
 }

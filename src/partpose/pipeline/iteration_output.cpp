@@ -61,46 +61,67 @@ void write_clouds(const fs::path& folder, const Recognition& recognition, const 
   write_ply(folder / "result_full.ply", transformed(part.surface, accepted.camera_from_model));
 }
 
-/// Copies the candidates' meshes to `folder`/meshes/ unless they are there, and notes each candidate's. The content is
-/// in the name: another run's part of the same name does not replace it.
-void write_meshes(const fs::path& folder, const Catalogue& catalogue, std::vector<CandidateExtras>& candidates) {
-  std::map<int, std::string> name_of;
-  for (auto& candidate : candidates) {
-    auto& name = name_of[candidate.model_id];
-    if (name.empty()) {
-      fs::create_directories(folder / "meshes");
-      if (catalogue.dataset.folder.empty()) {
-        const auto part = std::find_if(catalogue.parts.begin(), catalogue.parts.end(),
-                                       [&](const CataloguePart& p) { return p.id == candidate.model_id; });
-        name = fmt::format("meshes/{}_{}.stl", candidate.model_name, content_hash(part->mesh));
-        if (!fs::exists(folder / name)) write_stl(folder / name, part->mesh);
-      } else {
-        const std::string bytes = read_file(catalogue.dataset.mesh_path(candidate.model_id));
-        name = fmt::format("meshes/{}_{}.stl", candidate.model_name, content_hash(bytes));
-        if (!fs::exists(folder / name)) write_file_atomically(folder / name, bytes);
-      }
+/// Keeps meshes of parts in `folder`/meshes/, each written when it is first asked for and not there. The content is in
+/// the name: another run's part of the same name does not replace it.
+class SavedMeshes {
+ public:
+  SavedMeshes(const fs::path& folder, const Catalogue& catalogue) : folder_(folder), catalogue_(catalogue) {}
+
+  /// The file of the part, relative to the folder.
+  const std::string& of(const CataloguePart& part) {
+    auto& name = name_of_[part.id];
+    if (!name.empty()) return name;
+    fs::create_directories(folder_ / "meshes");
+    const auto named = [&](const std::string& hash) { return fmt::format("meshes/{}_{}.stl", part.name, hash); };
+    if (catalogue_.dataset.folder.empty()) {
+      name = named(content_hash(part.mesh));
+      if (!fs::exists(folder_ / name)) write_stl(folder_ / name, part.mesh);
+    } else {
+      const std::string bytes = read_file(catalogue_.dataset.mesh_path(part.id));
+      name = named(content_hash(bytes));
+      if (!fs::exists(folder_ / name)) write_file_atomically(folder_ / name, bytes);
     }
-    candidate.mesh = name;
+    return name;
   }
+
+ private:
+  const fs::path& folder_;
+  const Catalogue& catalogue_;
+  std::map<int, std::string> name_of_;
+};
+
+/// All objects that were recognized, the result first; of a recognizer that knows no detections nothing.
+Json json_of(const std::vector<Detection>& detections, const Catalogue& catalogue, SavedMeshes* meshes) {
+  Json out = Json::array();
+  for (const auto& detection : detections) {
+    const CataloguePart& part = catalogue.parts[detection.part];
+    out.push_back({{"model_name", part.name},
+                   {"T", to_json(detection.camera_from_model)},
+                   {"score", to_json(detection.score)},
+                   {"confidence", detection.confidence},
+                   {"mesh", meshes ? meshes->of(part) : ""}});
+  }
+  return out;
 }
 
 void write_pictures(const fs::path& folder, const Recognition& recognition, const PointCloud& scene,
                     const Catalogue& catalogue, const VisualizeOptions& steps) {
-  const auto pixels = intrinsics_of(before_camera(recognition.preprocessed.empty() ? scene : recognition.preprocessed), 20);
+  const auto pixels =
+      intrinsics_of(before_camera(recognition.preprocessed.empty() ? scene : recognition.preprocessed), 20);
   if (!pixels) return;  // nothing to be seen
   const Intrinsics& camera = *pixels;
   const DepthImage depth = to_depth_image(recognition.preprocessed, camera);
   const auto draw = [&](const Candidate& candidate, const Eigen::Isometry3d& camera_from_model) {
     const auto& part = catalogue.parts[catalogue.views[candidate.view_row].part];
-    return draw_overlay(depth, camera, PlacedMesh{part.mesh, camera_from_model});
+    return draw_overlay(depth, camera, {{part.mesh, camera_from_model}});
   };
   const auto draw_all = [&](bool refined, std::vector<ColourImage> pictures = {}) {
     for (const auto& candidate : recognition.candidates)
-      pictures.push_back(draw(candidate, refined ? candidate.camera_from_model
-                                                 : candidate.T4.inverse() * candidate.camera_from_model));
+      pictures.push_back(draw(
+          candidate, refined ? candidate.camera_from_model : candidate.T4.inverse() * candidate.camera_from_model));
     return tile(pictures, 3);
   };
-  if (steps.preprocess) write_png(folder / "visualize_preprocess.png", draw_overlay(depth, camera, std::nullopt));
+  if (steps.preprocess) write_png(folder / "visualize_preprocess.png", draw_overlay(depth, camera));
   if (steps.normal_estimation)
     write_png(folder / "visualize_normal_estimation.png", draw_normals(recognition.with_normals, camera));
   if (!recognition.candidates.empty()) {
@@ -127,8 +148,14 @@ fs::path write_iteration(const fs::path& folder, const Recognition& recognition,
     Extras extras = extras_of(recognition, catalogue);
     extras.scene = scene.path.string();
     if (config.preprocessing.scale_flag) extras.scene_extras.input_unit_mm = config.preprocessing.scale_factor;
-    if (seen) write_meshes(folder, catalogue, extras.candidate_extras);
+    SavedMeshes meshes(folder, catalogue);
+    for (std::size_t i = 0; seen && i < recognition.candidates.size(); ++i)
+      extras.candidate_extras[i].mesh =
+          meshes.of(catalogue.parts[catalogue.views[recognition.candidates[i].view_row].part]);
     write_json(iteration / "extras.json", extras);
+    if (!recognition.detections.empty())
+      write_json_file(iteration / "detections.json",
+                      json_of(recognition.detections, catalogue, seen ? &meshes : nullptr));
   }
   if (debug.save_used_dataset_json) write_json(iteration / "used_dataset.json", catalogue.dataset.out);
   if (debug.save_used_pipeline_config_json) write_json(iteration / "used_pipeline_config.json", config);

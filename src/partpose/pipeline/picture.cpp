@@ -57,7 +57,9 @@ void draw_scene(ColourImage& image, const DepthImage& depth, const Intrinsics& c
             scaled({200, 205, 215}, relief(depth, camera, u, v));
 }
 
-void draw_part(ColourImage& image, const DepthImage& depth, const Intrinsics& camera, const PlacedMesh& part) {
+/// Over `scene`, where no part that was drawn before is nearer: `nearest` has those.
+void draw_part(ColourImage& image, DepthImage& nearest, const ColourImage& scene, const DepthImage& depth,
+               const Intrinsics& camera, const PlacedMesh& part) {
   constexpr float differs_mm = 5;
   const Rendering rendering = render(part.mesh, part.camera_from_model, camera);
   const auto covered = [&](int u, int v) {
@@ -65,8 +67,9 @@ void draw_part(ColourImage& image, const DepthImage& depth, const Intrinsics& ca
   };
   for (int v = 0; v < depth.height; ++v) {
     for (int u = 0; u < depth.width; ++u) {
-      if (!covered(u, v)) continue;
       const std::size_t p = static_cast<std::size_t>(v) * depth.width + u;
+      if (!covered(u, v) || (nearest.z_mm[p] > 0 && nearest.z_mm[p] <= rendering.depth.z_mm[p])) continue;
+      nearest.z_mm[p] = rendering.depth.z_mm[p];
       if (!covered(u - 1, v) || !covered(u + 1, v) || !covered(u, v - 1) || !covered(u, v + 1)) {
         image.pixels[p] = {255, 240, 90};
         continue;
@@ -79,21 +82,23 @@ void draw_part(ColourImage& image, const DepthImage& depth, const Intrinsics& ca
       if (depth.at(u, v) > 0 && rendering.depth.at(u, v) > depth.at(u, v) + differs_mm) colour = {60, 110, 255};
       const auto over = scaled(colour, brightness);
       for (int c = 0; c < 3; ++c)
-        image.pixels[p][c] = static_cast<std::uint8_t>(0.4 * image.pixels[p][c] + 0.6 * over[c]);
+        image.pixels[p][c] = static_cast<std::uint8_t>(0.4 * scene.pixels[p][c] + 0.6 * over[c]);
     }
   }
 }
 
 }  // namespace
 
-ColourImage draw_overlay(const DepthImage& depth, const Intrinsics& camera, const std::optional<PlacedMesh>& part) {
+ColourImage draw_overlay(const DepthImage& depth, const Intrinsics& camera, const std::vector<PlacedMesh>& parts) {
   const int factor = enlargement(camera);
   const DepthImage large = enlarged(depth, factor);
   const Intrinsics large_camera = enlarged(camera, factor);
-  ColourImage image{large.width, large.height, {}};
-  image.pixels.assign(large.z_mm.size(), Colour{12, 12, 16});
-  draw_scene(image, large, large_camera);
-  if (part) draw_part(image, large, large_camera, *part);
+  ColourImage scene{large.width, large.height, {}};
+  scene.pixels.assign(large.z_mm.size(), Colour{12, 12, 16});
+  draw_scene(scene, large, large_camera);
+  ColourImage image = scene;
+  DepthImage nearest(large.width, large.height);
+  for (const auto& part : parts) draw_part(image, nearest, scene, large, large_camera, part);
   return image;
 }
 
@@ -123,8 +128,9 @@ ColourImage tile(const std::vector<ColourImage>& pictures, int columns) {
   out.pixels.assign(static_cast<std::size_t>(out.width) * out.height, Colour{12, 12, 16});
   for (int i = 0; i < count; ++i)
     for (int v = 0; v < height; ++v)
-      std::copy_n(pictures[i].pixels.begin() + static_cast<std::ptrdiff_t>(v) * width, width,
-                  out.pixels.begin() + static_cast<std::ptrdiff_t>(i / columns * height + v) * out.width + i % columns * width);
+      std::copy_n(
+          pictures[i].pixels.begin() + static_cast<std::ptrdiff_t>(v) * width, width,
+          out.pixels.begin() + static_cast<std::ptrdiff_t>(i / columns * height + v) * out.width + i % columns * width);
   return out;
 }
 

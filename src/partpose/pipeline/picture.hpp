@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include <optional>
 #include <vector>
 
 namespace partpose {
@@ -18,12 +17,13 @@ struct PlacedMesh {
   Eigen::Isometry3d camera_from_model;
 };
 
-/// The measured depth as a shaded relief (grey, black where nothing was measured) with the part drawn over it at its
-/// pose: shaded orange with a bright outline; red where it lies more than 5 mm before what was measured, blue where it
-/// lies more than 5 mm behind. Small frames are enlarged.
-ColourImage draw_overlay(const DepthImage& depth, const Intrinsics& camera, const std::optional<PlacedMesh>& part);
+/// The measured depth as a shaded relief (grey, black where nothing was measured) with the parts drawn over it at their
+/// poses: shaded orange with a bright outline; red where one lies more than 5 mm before what was measured, blue where
+/// it lies more than 5 mm behind. Of parts one behind the other the nearer one is seen. Small frames are enlarged.
+ColourImage draw_overlay(const DepthImage& depth, const Intrinsics& camera, const std::vector<PlacedMesh>& parts = {});
 
-/// Normals as colours: red, green, blue for x, y, -z from -1 to 1; black where there is no point. The cloud needs normals.
+/// Normals as colours: red, green, blue for x, y, -z from -1 to 1; black where there is no point. The cloud needs
+/// normals.
 ColourImage draw_normals(const PointCloud& cloud, const Intrinsics& camera);
 
 /// Pictures of one size in rows of at most `columns`.

@@ -92,6 +92,11 @@ SavedCandidate candidate_of(const Json& json, const fs::path& folder, const fs::
   return c;
 }
 
+SavedDetection detection_of(const Json& json, const fs::path& folder, const fs::path& top) {
+  return {text(json, "model_name"), find<Eigen::Isometry3d>(json, "T").value_or(Eigen::Isometry3d::Identity()),
+          not_negative(json, "score"), not_negative(json, "confidence"), find_upwards(folder, top, text(json, "mesh"))};
+}
+
 std::vector<SavedStep> steps_of(const Json& steps) {
   std::vector<SavedStep> out;
   for (const auto& step : steps)
@@ -208,6 +213,9 @@ class Reader {
     frame.reason = text(extras, "reason");
     for (const auto& candidate : elements(extras, "candidate_extras"))
       frame.candidates.push_back(candidate_of(candidate, folder, top_));
+    const Json detections = read_if_there(folder / "detections.json");
+    if (detections.is_array())
+      for (const auto& detection : detections) frame.detections.push_back(detection_of(detection, folder, top_));
     frame.steps = steps_of(elements(extras, "time_profiling"));
     frame.input_unit_mm = find<double>(member(extras, "scene_extras"), "input_unit_mm").value_or(1);
     take_result(read_if_there(folder / "result.json"), frame);

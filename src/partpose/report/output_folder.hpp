@@ -40,6 +40,14 @@ struct SavedCandidate {
   std::filesystem::path cloud;  ///< candidate_N.ply; empty: not saved
 };
 
+/// An object that was recognized.
+struct SavedDetection {
+  std::string model_name;
+  Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
+  std::optional<double> score, confidence;
+  std::filesystem::path mesh;  ///< existing file; empty: not saved
+};
+
 struct SavedStep {
   std::string tag;
   double ms = 0;
@@ -66,6 +74,7 @@ struct SavedFrame {
   Verdict verdict = Verdict::nothing;
   std::string reason;                      ///< why nothing was recognized
   std::vector<SavedCandidate> candidates;  ///< in the order of the decision
+  std::vector<SavedDetection> detections;  ///< the result first; empty: not saved, or the recognizer knows none
   bool has_extras = false;
   std::vector<SavedStep> steps;
   std::optional<double> time_ms;

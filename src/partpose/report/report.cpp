@@ -158,10 +158,11 @@ class ReportWriter {
   }
 
   void share(const SavedFrame& frame) {
-    for (const auto& candidate : frame.candidates) {
-      if (candidate.mesh.empty()) continue;
-      mesh_of_part_[candidate.model_name] = meshes_.index_of(candidate.mesh.string());
-    }
+    const auto share_mesh = [this](const auto& of) {
+      if (!of.mesh.empty()) mesh_of_part_[of.model_name] = meshes_.index_of(of.mesh.string());
+    };
+    for (const auto& candidate : frame.candidates) share_mesh(candidate);
+    for (const auto& detection : frame.detections) share_mesh(detection);
     if (!frame.config.empty())
       config_of_[frame.config.string()] =
           configs_.index_of(read_if(frame.config, [](const fs::path& path) { return read_file(path); }));
@@ -279,6 +280,14 @@ class ReportWriter {
     for (std::size_t i = 0; i < h["candidates"].size(); ++i)
       if (frame.candidate_id && *frame.candidate_id >= 0 && h["candidates"][i]["id"] == *frame.candidate_id)
         h["accepted"] = i;
+    h["detections"] = Json::array();
+    for (const auto& d : frame.detections) {
+      Json json{{"model_name", d.model_name}, {"pose", rows_of(d.camera_from_model)}};
+      set_if(json, "score", d.score);
+      set_if(json, "confidence", d.confidence);
+      if (!d.mesh.empty()) json["mesh"] = mesh_of_part_.at(d.model_name);
+      h["detections"].push_back(std::move(json));
+    }
     if (frame.camera_from_model) h["result_pose"] = rows_of(*frame.camera_from_model);
     if (const auto it = mesh_of_part_.find(frame.model_name); it != mesh_of_part_.end()) h["result_mesh"] = it->second;
     if (frame.truth && frame.truth->camera_from_model) {

@@ -295,6 +295,29 @@ TEST(OutputFolder, CandidatesHaveTheirCoarsePoseAndTheirMesh) {
   EXPECT_FALSE(frame.steps[1].points_in);
 }
 
+TEST(OutputFolder, AllObjectsOfAFrame) {
+  const TemporaryFolder folder;
+  write_frame(folder.path(), result_of("a", "1"), "a");
+  write_frame(folder.path(), result_of("a", "2"), "a");
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = Eigen::Vector3d(10, 20, 600);
+  write_json_file(folder.path() / "1/detections.json",
+                  Json::array({{{"model_name", "a"}, {"T", to_json(pose)}, {"score", 0.9}, {"confidence", 0.8}},
+                               {{"model_name", "b"}, {"T", to_json(pose)}, {"score", 0.7}, {"mesh", "meshes/b.stl"}}}));
+  fs::create_directories(folder.path() / "meshes");
+  write_file_atomically(folder.path() / "meshes/b.stl", "x");
+  const OutputFolder read = read_output_folder(folder.path());
+  const auto& all = read.frames.at(0).detections;
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].model_name, "a");
+  EXPECT_EQ(all[0].confidence, 0.8);
+  EXPECT_TRUE(all[0].mesh.empty());
+  EXPECT_EQ(all[1].camera_from_model.translation(), pose.translation());
+  EXPECT_FALSE(all[1].confidence);
+  EXPECT_EQ(all[1].mesh.filename(), "b.stl");
+  EXPECT_TRUE(read.frames.at(1).detections.empty());
+}
+
 TEST(OutputFolder, LinesOfAnExperimentWithAndWithoutFolders) {
   const TemporaryFolder folder;
   write_frame(folder.path() / "iterations", result_of("a", "1"), "a");
