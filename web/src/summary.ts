@@ -220,7 +220,7 @@ export function summaryPage(report: Report, filter: Filter, again: () => void): 
   page.append(h('h1', {}, index.title), controls, cards(c, report, own));
   if (index.thinned)
     page.append(h('p', { class: 'quiet' },
-      'Points, depth images or meshes are thinned to keep this file small; each frame says how far. All figures are of the full data.'));
+      'Points or depth images are thinned to keep this file small; each frame says how far. All figures are of the full data.'));
   if (index.problems.length)
     page.append(h('details', { class: 'problems' },
       h('summary', {}, `${index.problems.length} file${index.problems.length > 1 ? 's' : ''} could not be read and ${index.problems.length > 1 ? 'are' : 'is'} left out`),

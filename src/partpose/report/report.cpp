@@ -16,7 +16,9 @@
 #include "partpose/report/page.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <set>
 
@@ -26,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_mesh_triangles = 12'000;
+constexpr std::size_t most_mesh_triangles = 12'000;  // that the page draws quickly
 constexpr double depth_unit_mm = 0.25;
 
 double rounded(double value, double steps_per_unit) { return std::round(value * steps_per_unit) / steps_per_unit; }
@@ -65,8 +67,8 @@ class Shared {
 
 /// How much of a frame is shown.
 struct Detail {
-  std::size_t points = 60'000;  ///< of each cloud
-  std::size_t pixels = 400'000;
+  std::size_t points = 1'000'000'000;  ///< of each cloud; by itself all there are
+  std::size_t pixels = 1'000'000'000;
 
   Detail coarser() const {
     return {std::max<std::size_t>(points * 7 / 10, 200), std::max<std::size_t>(pixels * 7 / 10, 1000)};
@@ -116,15 +118,9 @@ class ReportWriter {
     }
     const std::size_t fixed = report_page().size() + data.size() + 700 * frames.size() + 100'000;
     const std::size_t left = options_.most_bytes > fixed ? options_.most_bytes - fixed : 0;
-    const std::size_t most_for_one = std::min<std::size_t>(left / frames.size(), 3'000'000);
-
-    std::vector<std::string> packed(frames.size());
-    std::size_t done = 0;
-    parallel_for(frames.size(), [&](std::size_t i) {
-      packed[i] = packed_frame(frames[i], most_for_one);
-      const std::scoped_lock lock(mutex_);
-      if (progress_) progress_("packing frames", ++done, frames.size());
-    });
+    // All there is; where that is too much each frame gets an equal share.
+    std::vector<std::string> packed = packed_frames(std::numeric_limits<std::size_t>::max(), left);
+    if (packed.empty()) packed = packed_frames(left / frames.size(), std::numeric_limits<std::size_t>::max());
     for (std::size_t i = 0; i < packed.size(); ++i) add_block(fmt::format("frame{}", i), packed[i]);
     Json index = index_of_frames();
     index["meshes"] = std::move(mesh_list);
@@ -142,7 +138,24 @@ class ReportWriter {
  private:
   void problem(const std::string& words) {
     const std::scoped_lock lock(mutex_);
-    saved_.problems.push_back(words);
+    auto& all = saved_.problems;
+    if (std::find(all.begin(), all.end(), words) == all.end()) all.push_back(words);
+  }
+
+  /// Each frame in `most_for_one` bytes; empty as soon as they need more than `most` together.
+  std::vector<std::string> packed_frames(std::size_t most_for_one, std::size_t most) {
+    const auto& frames = saved_.frames;
+    std::vector<std::string> packed(frames.size());
+    std::size_t done = 0;
+    std::atomic<std::size_t> bytes = 0;
+    parallel_for(frames.size(), [&](std::size_t i) {
+      if (bytes > most) return;
+      packed[i] = packed_frame(frames[i], most_for_one);
+      bytes += packed[i].size();
+      const std::scoped_lock lock(mutex_);
+      if (progress_) progress_("packing frames", ++done, frames.size());
+    });
+    return bytes > most ? std::vector<std::string>{} : packed;
   }
 
   /// Reads a file that a frame has; nothing when there is none, or it is broken.
@@ -175,7 +188,6 @@ class ReportWriter {
              {"triangles", shown.triangles.size()},
              {"of", mesh.triangles.size()},
              {"diagonal_mm", mesh.vertices.empty() ? 0.0 : rounded(bounding_box_diagonal(mesh), 10)}};
-    if (shown.triangles.size() < mesh.triangles.size()) thinned_ = true;
     Packet packet;
     packet.header["mesh"] = packet.add(shown);
     return base64(deflated(packet.bytes()));

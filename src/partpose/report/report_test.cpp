@@ -401,6 +401,7 @@ TEST(Report, PointsAreThinnedUntilTheFileIsSmallEnough) {
   for (int i = 0; i < 10; ++i) {
     write_frame(folder.path(), result_of("a", std::to_string(i)), "a");
     write_ply(folder.path() / std::to_string(i) / "scene_original.ply", random_cloud(20000, i));
+    write_ply(folder.path() / std::to_string(i) / "result_full.ply", random_cloud(9000, i));
   }
   const TemporaryFolder out;
   const std::size_t page = report_page().size();
@@ -409,6 +410,7 @@ TEST(Report, PointsAreThinnedUntilTheFileIsSmallEnough) {
   options.most_bytes = page + (full.bytes - page) / 3;
   const ReportSummary small = write_report(folder.path(), out.path() / "small.html", options);
   EXPECT_FALSE(full.thinned);
+  EXPECT_GT(full.bytes, page + 10 * 20000 * 5) << "all points";
   EXPECT_TRUE(small.thinned);
   EXPECT_LE(small.bytes, options.most_bytes);
   EXPECT_GT(small.bytes, page + (full.bytes - page) / 10);
