@@ -134,7 +134,7 @@ export function why(row: FrameRow, header: FrameHeader, report: Report): string[
       else if (verdict === 'right')
         out.push(`Correct: this is ${row.result}, and its pose is right: ${off} off the truth` +
           `${isBelow(row, measure!, limits) === 'off' ? ', which this camera cannot tell from here' : ''}.`);
-      else out.push(`The part is right, ${row.result}, but its pose is ${off} off the truth. It would be right ${definition(measure!, limits)}.`);
+      else out.push(`The part is right, ${row.result}, but its pose is ${off} off the truth.`, `It would be right ${definition(measure!, limits)}.`);
       if (otherwise) out.push(`\u201c${otherwise.name}\u201d the pose is right.`);
       break;
     case 'wrong':
