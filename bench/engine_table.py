@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 partpose contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the tables of bench/engine from its output folder. Needs nothing but Python."""
+"""Prints the tables of bench/engine from its output folder, as Markdown, at once. Needs nothing but Python."""
+import argparse
 import json
-import sys
 from pathlib import Path
 
 # (experiment, protocol, row, target: recognized, wrong, pose right)
@@ -150,9 +150,9 @@ def times(output):
 
 
 def main():
-    if len(sys.argv) != 2:
-        raise SystemExit("usage: engine_table.py OUTPUT_OF_BENCH_ENGINE")
-    output = Path(sys.argv[1])
+    parser = argparse.ArgumentParser(description=__doc__, epilog="example: bench/engine_table.py bench_engine_output")
+    parser.add_argument("output", type=Path, help="what bench/engine wrote")
+    output = parser.parse_args().output
     runs = runs_of(output)
     if not runs:
         raise SystemExit(f"{output}: holds no output of bench/engine")
