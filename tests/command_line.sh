@@ -73,7 +73,11 @@ grep -q '^one_part: 1 part x 12 views in ' out.txt || fail "dataset says: $(cat 
 good "evaluate" evaluate --dataset small --test small --config "$root/configs/pipeline_virtual.json" --output evaluated --jsonl lines.jsonl
 [ "$(wc -l <lines.jsonl)" -eq 24 ] || fail "evaluate: $(wc -l <lines.jsonl) lines instead of 24"
 [ "$(ls evaluated/*/evaluation.json evaluated/*/evaluation_dataset.json | wc -l)" -eq 48 ] || fail "evaluation.json is missing"
-good "dataset without configuration" recognize --dataset dataset --jsonl lines.jsonl "$frame"
+stat -c '%n %y' dataset/descriptors/* >before.txt
+good "dataset without configuration" recognize --dataset dataset --jsonl lines.jsonl --output by_dataset "$frame"
+grep -q '"model_name":"bracket"' lines.jsonl || fail "the bracket was not recognized by the dataset: $(cat lines.jsonl)"
+stat -c '%n %y' dataset/descriptors/* | cmp -s - before.txt || fail "the engine made the index anew"
+[ -s by_dataset/*/result.json ] || fail "by_dataset/*/result.json is missing"
 good "captured set" captured "$root/scenes" --models "$root/parts" --kind instance
 good "captured set, lines" captured "$root/scenes" --models "$root/parts" --kind instance --jsonl -
 ! grep -v '^{.*}$' out.txt && grep -q 'pose right' err.txt || fail "captured --jsonl -: $(tail -n 1 out.txt)"

@@ -86,18 +86,16 @@ ChosenRecognizer choose_recognizer(const std::string& command, const RecognizerA
     return chosen;
   }
   chosen.config = Recognizer::catalogue_config();
-  if (arguments.dataset.empty()) {
-    chosen.recognizer =
-        make_recognizer(arguments.recognizer,
-                        catalogue_for(arguments.recognizer, read_parts(arguments.models, arguments.reading, common),
-                                      arguments.cache, common),
-                        arguments.min_score);
-  } else {
+  const auto catalogue = [&] {
+    if (arguments.dataset.empty())
+      return catalogue_for(arguments.recognizer, read_parts(arguments.models, arguments.reading, common),
+                           arguments.cache, common);
+    Dataset dataset = open_dataset(arguments.dataset);
+    if (arguments.recognizer == "engine") return mesh_catalogue(std::move(dataset));
     const Unfinished descriptors;
-    chosen.recognizer = make_recognizer(
-        arguments.recognizer, load_catalogue(open_dataset(arguments.dataset), chosen.config, terminal_progress(common)),
-        arguments.min_score);
-  }
+    return load_catalogue(std::move(dataset), chosen.config, terminal_progress(common));
+  };
+  chosen.recognizer = make_recognizer(arguments.recognizer, catalogue(), arguments.min_score);
   return chosen;
 }
 

@@ -179,13 +179,19 @@ bool is_current(const Files& files, const Json& depends_on) {
   }
 }
 
+/// Without their surfaces.
+std::vector<CataloguePart> parts_of(const Dataset& dataset) {
+  std::vector<CataloguePart> parts;
+  for (const auto& model : dataset.out.models)
+    parts.push_back({model.id, model.name, model.T1, read_stl(dataset.mesh_path(model.id)), {}});
+  return parts;
+}
+
 Catalogue join(Dataset dataset, const GlobalPipelineConfig& config, Stored stored) {
   Catalogue catalogue;
+  catalogue.parts = parts_of(dataset);
   std::map<int, int> part_of_id;
-  for (const auto& model : dataset.out.models) {
-    part_of_id[model.id] = static_cast<int>(catalogue.parts.size());
-    catalogue.parts.push_back({model.id, model.name, model.T1, read_stl(dataset.mesh_path(model.id)), {}});
-  }
+  for (const auto& part : catalogue.parts) part_of_id.emplace(part.id, static_cast<int>(part_of_id.size()));
   std::map<int, Eigen::Isometry3d> T2_of_id;
   for (const auto& view : dataset.out.views) T2_of_id[view.id] = view.T2;
 
@@ -256,6 +262,15 @@ Catalogue load_catalogue(Dataset dataset, const GlobalPipelineConfig& config, co
   Stored stored = compute(dataset, config, progress);
   save(stored, files, config, depends_on);
   return join(std::move(dataset), config, std::move(stored));
+}
+
+Catalogue mesh_catalogue(Dataset dataset) {
+  Catalogue catalogue;
+  catalogue.parts = parts_of(dataset);
+  for (std::size_t p = 0; p < catalogue.parts.size(); ++p)
+    for (const auto& [T2, id] : dataset.out.views) catalogue.views.push_back({static_cast<int>(p), id, T2, {}, {}});
+  catalogue.dataset = std::move(dataset);
+  return catalogue;
 }
 
 Catalogue without_part(const Catalogue& catalogue, const std::string& name) {

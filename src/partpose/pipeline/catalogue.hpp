@@ -51,6 +51,9 @@ struct Catalogue {
 /// meshes. Views of a changed mesh.stl are rendered again first.
 Catalogue load_catalogue(Dataset dataset, const GlobalPipelineConfig& config, const Progress& progress = {});
 
+/// The dataset's meshes, and from where its views were taken: what the Engine needs. Nothing is described or kept.
+Catalogue mesh_catalogue(Dataset dataset);
+
 /// The same catalogue without one of its parts. Throws Error when it has no part of that name, or no other.
 Catalogue without_part(const Catalogue& catalogue, const std::string& name);
 
