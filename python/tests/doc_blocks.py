@@ -8,7 +8,7 @@ Comments before a block say what it is where that is not plain:
 `<!-- before: COMMAND -->` what a reader has, as files of his own, is made by that command;
 `<!-- given: CODE -->` the same of C++ code;
 `<!-- run with: FROM -> TO -->` it takes long, or changes the system: that is put in another's place;
-`<!-- output -->` what the block before prints, numbers aside;
+`<!-- output -->` what the block before prints, numbers aside; `<!-- output: numbers too -->` nearly the same numbers, but for ms;
 `<!-- file: NAME -->` the block is written into that file;
 `<!-- config: KIND -->` it is a configuration of that kind (`partpose config KIND`)."""
 
@@ -206,14 +206,22 @@ class Reader:
         self.printed = done.stdout
 
     def _compare(self, where: str, block: Block) -> None:
-        actual = iter(_without_numbers(self.printed))
-        for line in _without_numbers(block.text):
-            assert line in actual, f"{where}: {line!r} is not what is printed:\n{self.printed}"
+        actual = iter(self.printed.splitlines())
+        for line in filter(str.strip, block.text.splitlines()):
+            found = next((each for each in actual if _without_numbers(each) == _without_numbers(line)), None)
+            assert found is not None, f"{where}: {line!r} is not what is printed:\n{self.printed}"
+            if block.marked("output") == ["numbers too"]:
+                near = all(abs(a - b) <= 0.03 + 0.01 * abs(b) for a, b in zip(_numbers(found), _numbers(line), strict=True))
+                assert near, f"{where}: {line!r} is not near to what is printed: {found!r}"
 
 
-def _without_numbers(text: str) -> list[str]:
-    lines = (re.sub(rf"\s*{NUMBER.pattern}", " #", line) for line in text.splitlines())
-    return [re.sub(r"\s+", " ", line).strip() for line in lines if line.strip()]
+def _without_numbers(line: str) -> str:
+    return re.sub(r"\s+", " ", re.sub(rf"\s*{NUMBER.pattern}", " #", line)).strip()
+
+
+def _numbers(line: str) -> list[float]:
+    """Those that are no time, which is another on each machine."""
+    return [float(number) for number in NUMBER.findall(re.sub(r"[\d.]+ ms", "", line))]
 
 
 def _squeezed(text: str) -> str:

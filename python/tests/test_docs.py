@@ -60,10 +60,12 @@ def test_what_is_wrong_in_a_page_fails(tmp_path: Path) -> None:
     read("```sh\ncd /; X=3; export X\n```\n\n```sh\n[ $PWD$X = /3 ]; echo at -7.5 mm\n```\n<!-- output -->\n```\nat 12 mm\n```\n")
     read("```python\nx = 1\n```\n\n```python\nassert x == 1\n```\n")
     read("<!-- before: touch x -->\n<!-- run with: y -> x -->\n```sh\nls y\n```\n\n```console\n$ ls x\nx\n$ seq 3\n1\n...\n```\n")
+    numbers = "```sh\necho 'at -7.5 mm (3 ms)'\n```\n<!-- output: numbers too -->\n```\nat {} mm (12.5 ms)\n```\n"
+    read(numbers.format(-7.47))
     (tmp_path / "tool").write_text("#!/bin/sh\n# tool --fast: at once\n")
     read("<!-- checked: slow -->\n```sh\nX=1 ./tool --fast 3 # soon\n```\n")
     for wrong in ("```sh\nfalse\n```", "```python\n1 / 0\n```", "```json\n{\n```", "```\nwhat\n```",
-                  "```sh\necho a\n```\n<!-- output -->\n```\nb\n```", "<!-- run with: y -> x -->\n```sh\nls\n```",
+                  "```sh\necho a\n```\n<!-- output -->\n```\nb\n```", numbers.format(-7.2), "<!-- run with: y -> x -->\n```sh\nls\n```",
                   "```console\n$ echo a\nb\n```", "```console\n$ echo a\n```", "```console\n$ exit 1\n```",
                   "<!-- checked: slow -->\n```sh\n./tool --fas\n```", "<!-- checked: slow -->\n```sh\n./no_tool\n```"):  # fmt: skip
         with pytest.raises((AssertionError, ZeroDivisionError, ValueError)):
