@@ -264,6 +264,11 @@ good "live, pictures beside" live frames --models parts
 rm frames/*.color.png
 "$partpose" live colours --models parts 2>err.txt
 [ $? -eq 2 ] && grep -q 'colours: holds no 16-bit depth image' err.txt || fail "live of pictures: $(cat err.txt)"
+mkdir no_camera && cp "$frame" no_camera/
+bad "live, no camera" "bracket.png: no camera found; give it as .*(--camera)" live no_camera --models parts
+good "live, a camera file" live no_camera --models parts --camera frames/camera.json
+grep -q '^no_camera/bracket.png: bracket at' out.txt || fail "live --camera: $(cat out.txt)"
+bad "live, a camera's camera" "realsense: --camera is of folders" live realsense --models parts --camera frames/camera.json
 bad "live, no source" "no such source; give a folder" live relasense --models parts
 bad "live of a file" "bracket.png: is a file, not a folder; partpose recognize" live "$frame" --models parts
 bad "live, nothing there" "give --follow" live empty --models parts

@@ -84,6 +84,7 @@ def _parser() -> argparse.ArgumentParser:
         "source", help="realsense, realsense:SERIAL, openni, openni:URI, a recording (.bag, .db3, .oni) or a folder"
     )
     parser.add_argument("--models", nargs="+", required=True, help="model files, or folders of them")
+    parser.add_argument("--camera", help="of a folder: camera JSON for all depth images")
     parser.add_argument("--recognizer", choices=["engine", "recognizer"], default="engine", help="default: engine")
     parser.add_argument("--min-score", type=float, help="a candidate below is not believed, 0 to 1")
     parser.add_argument("--cache", help="where catalogues of the recognizer are kept (default: ~/.cache/partpose)")
@@ -131,7 +132,8 @@ def _run(options: argparse.Namespace, output: TextIO) -> int:
     if options.jsonl == "-":
         options.json, options.jsonl = True, None
     failures = 0
-    with ThreadLimit(options.threads), sources.open_source(options.source, follow=options.follow) as source:
+    opened = sources.open_source(options.source, follow=options.follow, camera=options.camera)
+    with ThreadLimit(options.threads), opened as source:
         recognizer = _recognizer(options)
         log = open(options.jsonl, "a", encoding="utf-8") if options.jsonl else None
         stop = _Stop()

@@ -76,11 +76,13 @@ class Source(ABC):
 class DepthFolder(Source):
     """The 16-bit depth PNGs of a folder, by their names; the camera of NAME.png is NAME.camera.json or camera.json. With
     `follow`, waits for files to come, as any program may write them: beside (with another ending) and then renamed.
+    `camera` is a camera file for all of them.
     Pictures among them (8-bit or in colours) are left out, with a warning."""
 
-    def __init__(self, folder: _Path, *, follow: bool = False) -> None:
+    def __init__(self, folder: _Path, *, follow: bool = False, camera: _Path | None = None) -> None:
         self.folder = Path(folder)
         self.follow = follow
+        self._camera = camera and Path(camera)
         self._done: set[Path] = set()
         self._waiting: list[Path] = []
         self._cameras: dict[Path, CameraFile] = {}
@@ -124,7 +126,7 @@ class DepthFolder(Source):
                 return
 
     def _frame(self, file: Path) -> Frame:
-        camera_file = camera_file_of(file)
+        camera_file = self._camera or camera_file_of(file)
         if camera_file not in self._cameras:
             self._cameras[camera_file] = read_camera(camera_file)
         camera = self._cameras[camera_file]
@@ -393,14 +395,17 @@ def _openni_text(error: Exception) -> str:
     return message.decode(errors="replace") if isinstance(message, bytes) else str(message)
 
 
-def open_source(name: _Path, *, follow: bool = False) -> Source:
+def open_source(name: _Path, *, follow: bool = False, camera: _Path | None = None) -> Source:
     """The source that a text names: a folder of depth PNGs, a recording (.bag, .db3, .oni), "realsense",
-    "realsense:SERIAL", "openni" or "openni:URI"."""
+    "realsense:SERIAL", "openni" or "openni:URI". `follow` and `camera` are of folders, as of DepthFolder."""
     text = os.fspath(name)
     kind = re.fullmatch(r"(realsense|openni)(?::(.+))?", text)
     ending = Path(text).suffix.lower()
-    if follow and (kind or ending in (".bag", ".db3", ".oni")):
-        raise Error(f"{text}: only a folder can be followed")
+    if kind or ending in (".bag", ".db3", ".oni"):
+        if follow:
+            raise Error(f"{text}: only a folder can be followed")
+        if camera is not None:
+            raise Error(f"{text}: --camera is of folders; cameras and recordings know their own")
     if kind:
         return RealSense(serial=kind[2]) if kind[1] == "realsense" else OpenNI2(kind[2])
     if ending in (".bag", ".db3"):
@@ -414,4 +419,4 @@ def open_source(name: _Path, *, follow: bool = False) -> Source:
             f"{text}: no such source; give a folder of depth PNGs, a recording (.bag, .db3, .oni), realsense, "
             "realsense:SERIAL, openni or openni:URI"
         )
-    return DepthFolder(text, follow=follow)
+    return DepthFolder(text, follow=follow, camera=camera)

@@ -50,9 +50,13 @@ def test_folders(tmp_path: Path) -> None:
         sources.DepthFolder(tmp_path / "empty")
     with pytest.raises(Error, match="no such folder"):
         sources.DepthFolder(tmp_path / "nowhere")
-    os.remove(tmp_path / "frames" / "camera.json")
+    os.rename(tmp_path / "frames" / "camera.json", tmp_path / "other.json")
     with pytest.raises(Error, match="camera.json"):
         sources.DepthFolder(tmp_path / "frames").read()
+    with sources.open_source(tmp_path / "frames", camera=tmp_path / "other.json") as source:
+        assert [f.intrinsics for f in source] == 3 * [CAMERA]
+    with pytest.raises(Error, match="realsense: --camera is of folders"):
+        sources.open_source("realsense", camera=tmp_path / "other.json")
 
 
 def test_pictures_beside_the_depth_images_are_left_out(tmp_path: Path) -> None:

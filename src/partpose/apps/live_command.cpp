@@ -38,7 +38,7 @@ struct LiveArguments {
   std::vector<fs::path> models;
   std::string recognizer = default_recognizer;
   std::optional<float> min_score;
-  fs::path cache, jsonl;
+  fs::path camera, cache, jsonl;
   std::optional<int> frames;
   bool json = false, follow = false;
 };
@@ -179,7 +179,7 @@ struct Live {
   const LiveArguments& arguments;
   const Common& common;
   std::optional<std::ofstream> jsonl = {};
-  SceneReader reader = SceneReader();
+  SceneReader reader = SceneReader({.camera = arguments.camera});
   int count = 0, recognized = 0;
 
   void show(const fs::path& file) {
@@ -277,6 +277,7 @@ void add_live_command(CLI::App& app, const Common& common) {
                    "16-bit depth PNGs")
       ->required();
   live->add_option("-m,--models", arguments->models, part_files_help)->required();
+  live->add_option("--camera", arguments->camera, "Of a folder: camera JSON for all depth images");
   add_recognizer_option(*live, arguments->recognizer);
   add_min_score_option(*live, arguments->min_score);
   live->add_option("--cache", arguments->cache,
@@ -301,6 +302,8 @@ void add_live_command(CLI::App& app, const Common& common) {
     }
     if (!is_for_python(arguments->source)) return recognize_folder(*arguments, common);
     if (arguments->follow) throw Error("{}: only a folder can be followed", arguments->source);
+    if (!arguments->camera.empty())
+      throw Error("{}: --camera is of folders; cameras and recordings know their own", arguments->source);
     become_python(*arguments, common);
   });
 }
