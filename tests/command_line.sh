@@ -189,7 +189,8 @@ bad "split" "must be \"product\"" inspect parts/link.stl --split halves
 echo "-- bad scenes"
 bad "no scene file" "nowhere.png" recognize --models parts nowhere.png
 bad "unknown kind of scene" "scene.xyz" recognize --models parts scene.xyz
-bad "a model as a scene" "link.stl: is a model of a part, not a scene; .*--models" recognize --models parts/bracket.stl parts/link.stl "$frame"
+bad "models without --models" "parts/link.stl: is a model of a part, not a scene; .*repeat it for each model" recognize --models parts/bracket.stl parts/link.stl "$frame" --jsonl stray.jsonl
+[ ! -e stray.jsonl ] && [ ! -s out.txt ] || fail "recognized without a part that is meant: $(cat out.txt)"
 bad "a folder as a scene" "is a folder, a scene is a file; give its files: .*scenes/\*.ply .*scenes/\*.png" recognize --models parts "$root/scenes"
 cp "$frame" lonely.png && bad "no camera" "camera.json" recognize --models parts lonely.png
 echo "{$camera}" >lonely.camera.json
@@ -215,8 +216,9 @@ bad "PCD without z" "s.pcd" recognize --models parts s.pcd
 bad "one bad scene among good ones" "s.pcd" recognize --models parts --jsonl lines.jsonl "$frame" s.pcd "$frame"
 [ "$(wc -l <lines.jsonl)" -eq 3 ] || fail "the good scenes were lost: $(cat lines.jsonl)"
 
-good "depth images have their own unit" recognize --models parts --units m "$frame" "$frame"
-[ "$(grep -c "bracket.png: --units m is of clouds; .*depth_scale_mm" err.txt)" -eq 1 ] || fail "--units m of a depth image: $(cat err.txt)"
+for command in recognize view; do bad "$command, the unit of a depth image" "--units m is of clouds; .*depth_scale_mm" $command --models parts --units m "$frame"; done
+good "the unit of clouds alone" recognize --models parts --units m "$frame" "$root/scenes/bracket__bracket.ply" --jsonl lines.jsonl
+grep -q '"model_name":"bracket"' lines.jsonl && [ ! -s err.txt ] || fail "--units m of both: $(cat err.txt)"
 
 echo "-- what may be the cause"
 for scale in 0.1 10; do
@@ -242,6 +244,9 @@ for scene in empty point nan plane line same behind; do
   nothing "$scene, no configuration" recognize --models parts --pictures pictures $scene.pcd
   nothing "$scene, by configuration" recognize --dataset dataset --config clouds.json --output iterations $scene.pcd
 done
+
+"$partpose" -q recognize --models parts empty.pcd nan.pcd 2>err.txt
+grep -q 'empty.pcd: is empty, it has no points' err.txt && grep -q 'nan.pcd: is empty, all of its 3 points are NaN' err.txt || fail "empty clouds: $(cat err.txt)"
 
 echo "-- live"
 mkdir frames

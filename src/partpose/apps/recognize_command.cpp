@@ -48,6 +48,8 @@ void recognize_all(RecognizeArguments arguments, const Common& common) {
   check_file_can_be_written(arguments.jsonl);
   check_folder_can_be_written(arguments.output);
   check_folder_can_be_written(arguments.pictures);
+  const SceneReading reading = {arguments.camera, arguments.units};
+  check_scenes(reading, arguments.scenes);
   const ChosenRecognizer chosen = choose_recognizer("recognize", arguments, common);
   const Catalogue& catalogue = chosen.recognizer->catalogue();
   if (arguments.units == "m" && chosen.config.preprocessing.scale_flag)
@@ -60,7 +62,7 @@ void recognize_all(RecognizeArguments arguments, const Common& common) {
   }
   PictureNames picture_names(arguments.pictures);
   if (!arguments.pictures.empty()) fs::create_directories(arguments.pictures);
-  SceneReader reader({arguments.camera, arguments.units});
+  SceneReader reader(reading);
   for (const auto& path : arguments.scenes) {
     check_not_interrupted();
     try {

@@ -4,19 +4,44 @@
 
 #include "terminal.hpp"
 
+#include "partpose/core/error.hpp"
 #include "partpose/io/camera_json.hpp"
+#include "partpose/io/mesh_files.hpp"
+#include "partpose/io/model_files.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace partpose::apps {
+
+void check_scenes(const SceneReading& reading, const std::vector<std::filesystem::path>& scenes) {
+  const auto& models = mesh_file_endings();
+  bool any_cloud = scenes.empty();
+  for (const auto& scene : scenes) {
+    const std::string ending = lower_case_ending(scene);
+    if (ending != ".ply" && std::find(models.begin(), models.end(), ending) != models.end())
+      throw Error(
+          "{}: is a model of a part, not a scene; --models takes one file or folder: repeat it for each model, or name "
+          "their folder",
+          scene.string());
+    any_cloud |= ending != ".png";
+  }
+  if (reading.units == "m" && !any_cloud)
+    throw Error("--units m is of clouds; a depth image's unit is the depth_scale_mm of its camera");
+}
 
 Scene SceneReader::read(const std::filesystem::path& path) {
   Scene scene = read_scene(path, reading_.units == "m" ? 1000 : 1, reading_.camera);
-  if (!scene.depth) return scene;
+  if (!scene.depth) {
+    if (scene.cloud.empty())
+      complain(fmt::format("{}: is empty, it has no points", path.string()));
+    else if (without_missing(scene.cloud).empty())
+      complain(fmt::format("{}: is empty, all of its {} points are NaN", path.string(), scene.cloud.size()));
+    return scene;
+  }
   if (const std::string doubt = doubt_about(*scene.intrinsics); !doubt.empty())
     warn_once(path, "its camera looks wrong: " + doubt);
-  if (reading_.units == "m")
-    warn_once(path, "--units m is of clouds; a depth image's unit is the depth_scale_mm of its camera");
   return scene;
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace partpose::apps {
 
@@ -16,7 +17,11 @@ struct SceneReading {
   std::string units = "mm";      ///< of clouds: "mm" or "m"
 };
 
-/// Reads scenes. What looks wrong with them is said on standard error, once for each thing.
+/// Throws Error when a model stands among the scenes, as where a shell makes several words of --models *.stl: what was
+/// meant for the catalogue would be missing there. Also when clouds' units are given, but no cloud.
+void check_scenes(const SceneReading& reading, const std::vector<std::filesystem::path>& scenes);
+
+/// Reads scenes. What looks wrong with them is said on standard error, of a camera once for each thing.
 class SceneReader {
  public:
   explicit SceneReader(SceneReading reading = {}) : reading_(std::move(reading)) {}

@@ -93,11 +93,13 @@ fs::path write_page(const ViewArguments& arguments, const Common& common, Json& 
     return page;
   }
   const Unfinished folder;
+  const SceneReading reading = {arguments.camera, arguments.units};
+  check_scenes(reading, {arguments.scene});
   ChosenRecognizer chosen = choose_recognizer("view", arguments, common);
   chosen.config.debug.save_extras_json = chosen.config.debug.save_point_clouds = true;
   if (arguments.units == "m" && chosen.config.preprocessing.scale_flag)
     throw Error("view: --units m and the configuration's preprocessing.scale_flag would both scale the scene");
-  const Scene scene = SceneReader({arguments.camera, arguments.units}).read(arguments.scene);
+  const Scene scene = SceneReader(reading).read(arguments.scene);
   const Recognition recognition = named_after(arguments.scene, [&] { return chosen.recognizer->recognize(scene); });
   check_not_interrupted();
   const TemporaryFolder temporary;
