@@ -51,6 +51,8 @@ camera='"width": 640, "height": 480, "fx": 615, "fy": 615, "cx": 319.5, "cy": 23
 echo "-- what works"
 good "version" --version
 good "help" --help
+good "sensor --help" sensor --help
+! grep -q 'partpose recognize' out.txt || fail "sensor --help has the examples of all: $(cat out.txt)"
 for command in recognize view live dataset index evaluate captured scenes experiment sensor inspect symmetry ambiguity report config completion; do good "$command --help" $command --help; grep -q Example out.txt || fail "$command --help has no example"; done
 good "recognize a frame" recognize --models parts --jsonl lines.jsonl --pictures pictures "$frame"
 grep -q '"model_name":"bracket"' lines.jsonl || fail "the bracket was not recognized: $(cat lines.jsonl)"
@@ -184,6 +186,8 @@ bad "two parts of one name" 'link.stl: another model is already named "link": .*
 bad "chord tolerance" "must be positive" inspect parts/link.stl --chord-tolerance 0
 bad "an image as a model" "bracket.png: is an image, not a model of a part; .*scenes" recognize --models "$frame" "$frame"
 bad "a cloud as a model" "bracket__bracket.ply: has no triangles, is it a point cloud" recognize --models "$root/scenes/bracket__bracket.ply" "$frame"
+bad "another file as a model" "README.md: is no model file by its name; models end with .stl, " recognize --models "$root/parts/README.md" "$frame"
+mkdir -p above/below && cp parts/link.stl above/below/ && bad "models in a subfolder" "subfolders are not searched: give above/below itself" recognize --models above "$frame"
 bad "split" "must be \"product\"" inspect parts/link.stl --split halves
 
 echo "-- bad scenes"
@@ -196,6 +200,7 @@ cp "$frame" lonely.png && bad "no camera" "camera.json" recognize --models parts
 echo "{$camera}" >lonely.camera.json
 good "camera beside" recognize --models parts lonely.png
 echo "{${camera/\"fx\": 615, /}}" >lonely.camera.json && bad "camera without fx" '"fx" is missing' recognize --models parts lonely.png
+echo "{${camera/, \"depth_scale_mm\": 1/}}" >lonely.camera.json && bad "camera without its scale" '"depth_scale_mm" is missing; write "depth_scale_mm": 1 where' recognize --models parts lonely.png
 echo "{$camera, \"fz\": 1}" >lonely.camera.json && bad "unknown camera key" 'did you mean "fx"' recognize --models parts lonely.png
 echo "{${camera/\"cx\": 319.5, \"cy\"/\"ppx\": 319.5, \"ppy\"}}" >lonely.camera.json && bad "another program's camera" 'like a file of RealSense; write {"width": 640, .*"cy": 239.5, "depth_scale_mm": 1}' recognize --models parts lonely.png
 echo "{${camera/615/\"615\"}}" >lonely.camera.json && bad "wrong type" 'expected a number' recognize --models parts lonely.png
@@ -205,7 +210,7 @@ echo "{$camera" >lonely.camera.json && bad "broken JSON" 'lonely.camera.json: li
 echo "{${camera/319.5, \"cy\": 239.5/239.5, \"cy\": 319.5}}" >lonely.camera.json && good "a swapped principal point" recognize --models parts lonely.png lonely.png
 [ "$(grep -c "lonely.png: its camera looks wrong: cx 239.5 and cy 319.5 .* are they swapped?" err.txt)" -eq 1 ] || fail "a swapped principal point: $(cat err.txt)"
 echo "{$camera}" >lonely.camera.json
-head -c 5000 "$frame" >lonely.png && bad "truncated PNG" "lonely.png" recognize --models parts lonely.png
+head -c 5000 "$frame" >lonely.png && bad "truncated PNG" "lonely.png: byte [0-9]*: truncated PNG$" recognize --models parts lonely.png
 echo "this is no picture" >lonely.png && bad "not a PNG" "lonely.png" recognize --models parts lonely.png
 cp pictures/bracket.png lonely.png && bad "8-bit PNG" "16-bit" recognize --models parts lonely.png
 mkdir colours && cp pictures/bracket.png colours/ && bad "a picture without a camera" "colours/bracket.png: is a picture .*, not a depth image" recognize --models parts colours/bracket.png
@@ -226,6 +231,8 @@ for scale in 0.1 10; do
   nothing "depths x $scale" recognize --models parts --camera scaled.json "$frame"
   grep -q '"reason":"[^"]*; half of it is .* away: is it in another unit than stated?"' lines.jsonl || fail "depths x $scale: $(cat lines.jsonl)"
 done
+nothing "a cloud in mm where metres are expected" recognize --dataset dataset --config "$root/configs/pipeline_capture.json" "$root/scenes/bracket__bracket.ply"
+grep -q '"reason":"0 of .* points are left .*; half of it is more than 5[0-9][0-9] m away: is it in another unit than stated?"' lines.jsonl || fail "a cloud in mm: $(cat lines.jsonl)"
 header() { printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH %d\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS %d\nDATA ascii\n' "$1" "$1"; }
 for ((i = 0; i < 5000; ++i)); do ((i * 7919 % 1009 >= 400)) || echo "$((i % 100 - 50)) $((i / 100 - 25)) 600"; done >points.txt
 { header "$(wc -l <points.txt)"; cat points.txt; } >thin.pcd
@@ -364,8 +371,11 @@ good "experiment, goes on" experiment experiment.json -o experiment
 [ "$(grep -c '}$' experiment/frames.jsonl)" -eq 24 ] || fail "experiment: $(grep -c '}$' experiment/frames.jsonl) frames instead of 24"
 cp experiment/frames.jsonl all.jsonl
 cmp -s whole.csv experiment/recognition.csv || fail "a run that was stopped gives another table: $(cat experiment/recognition.csv)"
+echo "notes" >parts/README.md
 good "experiment, finished" experiment experiment.json -o experiment
 cmp -s all.jsonl experiment/frames.jsonl || fail "frames of a finished experiment were repeated"
+rm parts/README.md && cp "$root/parts/t_plate.stl" parts/ && bad "experiment, another part" "t_plate.stl: has changed since" experiment experiment.json -o experiment
+rm parts/t_plate.stl
 spec() { sed "$1" experiment.json >e.json; }
 spec 's/"small"/"other"/' && bad "another experiment" "holds another experiment" experiment e.json -o experiment
 bad "folder of something else" "no experiment's folder" experiment experiment.json -o parts
@@ -408,6 +418,7 @@ good "explain a section" config pipeline --explain preprocessing
 grep -q 'preprocessing.xyz_limits  (6 x float' out.txt || fail "explain: $(cat out.txt)"
 good "explain as JSON" config --explain vfh.k_nn --json
 grep -q '"default": 6' out.txt || fail "explain --json: $(cat out.txt)"
+bad "explain, a key like no other" 'unknown key "nosuchkey"; partpose config --keys lists all' config --explain nosuchkey
 bad "explain, unknown key" 'did you mean "preprocessing.voxel_size" or "pose_refinement.voxel_size"' config --explain voxel_sise
 bad "config, unknown kind" 'did you mean "pipeline"' config pipelin
 bad "config of no file" "nowhere.json" config pipeline --config nowhere.json
@@ -620,6 +631,7 @@ bad "no command" "subcommand"
 bad "unknown command" 'there is no command recognise; did you mean recognize? (see partpose --help)' recognise --models parts "$frame"
 bad "unknown command of bop" 'there is no command scores; did you mean score? (see partpose bop --help)' bop scores toy
 bad "unknown option" 'there is no option --modles; did you mean --models? (see partpose recognize --help)' recognize --modles parts "$frame"
+bad "an option like no other" 'there is no option --xyzzyqqqq (see partpose --help)' --xyzzyqqqq
 bad "unknown option of all" 'did you mean --version' --versoin
 bad "what is missing" 'scenes is required (see partpose recognize --help)' recognize --models parts
 bad "no scenes" "scenes" recognize --models parts

@@ -53,7 +53,8 @@ void unknown_key(const std::string& key, const std::vector<ConfigKey>& keys) {
   const bool whole_path = key.find('.') != std::string::npos;
   std::vector<std::string> words;
   for (const auto& k : keys) words.push_back(whole_path ? k.path : last_name(k.path));
-  const std::string nearest = nearest_word(key, words);
+  const std::string nearest = similar_word(key, words);
+  if (nearest.empty()) throw Error("unknown key \"{}\"; partpose config --keys lists all", key);
   std::vector<std::string> meant;
   for (std::size_t i = 0; i < keys.size(); ++i)
     if (words[i] == nearest) meant.push_back(fmt::format("\"{}\"", keys[i].path));

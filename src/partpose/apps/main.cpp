@@ -45,8 +45,9 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error, const
     for (const CLI::Option* option : of->get_options([](const CLI::Option* o) { return o->nonpositional(); }))
       for (const auto& name : option->get_lnames()) options.push_back("--" + name);
   const auto unknown = [&](const char* what, const std::string& word, const std::vector<std::string>& known) {
-    return fmt::format("there is no {} {}; did you mean {}? (see {} --help)", what, word,
-                       partpose::nearest_word(word, known), path);
+    const std::string similar = partpose::similar_word(word, known);
+    return fmt::format("there is no {} {}{} (see {} --help)", what, word,
+                       similar.empty() ? "" : fmt::format("; did you mean {}?", similar), path);
   };
   if (command != &app) ++rest;
   for (; rest != words.end() && *rest != "--"; ++rest) {

@@ -5,10 +5,8 @@
 #include "output.hpp"
 #include "terminal.hpp"
 
-#include "partpose/core/error.hpp"
-#include "partpose/geometry/mesh_inspection.hpp"
-
 #include <CLI/CLI.hpp>
+#include "partpose/core/error.hpp"
 
 namespace partpose::apps {
 
@@ -36,11 +34,7 @@ std::vector<NamedMesh> read_parts(const std::vector<std::filesystem::path>& file
     complain(message);
   });
   for (const auto& part : parts) {
-    const double diagonal_mm = bounding_box_diagonal(part.mesh);
-    if (const std::string guess = guess_unit(diagonal_mm); part.unit.empty() && !guess.empty())
-      complain(fmt::format("{}: is {:.4g} mm across; is it in {}? partpose inspect tells more, and converts it",
-                           part.file.string(), diagonal_mm,
-                           guess == "inch" ? "inches or centimetres" : plural_of_unit(guess)));
+    if (const std::string doubt = doubt_about_unit(part); !doubt.empty()) complain(doubt);
     note(common,
          fmt::format("{}: {}, {}{}", part.file.string(), part.name, counted(part.mesh.triangles.size(), "triangle"),
                      part.unit.empty() ? "" : ", file in " + part.unit));

@@ -48,7 +48,8 @@ void add_report_command(CLI::App& app, const Common& common) {
   auto arguments = std::make_shared<ReportArguments>();
   auto* report =
       app.add_subcommand("report", "Make one HTML page of an output folder: every frame, every step, in 3-D");
-  report->add_option("folder", arguments->folder, "What --output of recognize, evaluate or captured wrote")->required();
+  report->add_option("folder", arguments->folder, "What --output of recognize, evaluate, captured or experiment wrote")
+      ->required();
   report->add_option("-o,--output", arguments->output, "File to write (default: report.html in the folder)");
   report->add_option("--title", arguments->options.title, "Heading (default: the folder's name)");
   report

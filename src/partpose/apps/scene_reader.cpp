@@ -6,21 +6,17 @@
 
 #include "partpose/core/error.hpp"
 #include "partpose/io/camera_json.hpp"
-#include "partpose/io/mesh_files.hpp"
 #include "partpose/io/model_files.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace partpose::apps {
 
 void check_scenes(const SceneReading& reading, const std::vector<std::filesystem::path>& scenes) {
-  const auto& models = mesh_file_endings();
   bool any_cloud = scenes.empty();
   for (const auto& scene : scenes) {
     const std::string ending = lower_case_ending(scene);
-    if (ending != ".ply" && std::find(models.begin(), models.end(), ending) != models.end())
+    if (ending != ".ply" && is_model_file(scene))
       throw Error(
           "{}: is a model of a part, not a scene; --models takes one file or folder: repeat it for each model, or name "
           "their folder",

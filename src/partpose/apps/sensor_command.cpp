@@ -96,6 +96,7 @@ void fit_sensor(const FitArguments& arguments, const Common& common) {
 void add_sensor_command(CLI::App& app, const Common& common) {
   auto* sensor = app.add_subcommand("sensor", "Noise figures of a depth camera");
   sensor->require_subcommand(1);
+  sensor->footer("Example:\n  partpose sensor fit wall.png --camera camera.json --baseline 55");
   auto arguments = std::make_shared<FitArguments>();
   auto* fit = sensor->add_subcommand("fit", "Estimate a stereo camera's noise from captures of a flat wall");
   fit->add_option("walls", arguments->walls, "16-bit depth PNGs of one flat wall, the camera not moved between them")

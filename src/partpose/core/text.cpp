@@ -34,4 +34,9 @@ std::string nearest_word(std::string_view word, std::span<const std::string> kno
   return nearest == known.end() ? std::string() : *nearest;
 }
 
+std::string similar_word(std::string_view word, std::span<const std::string> known) {
+  std::string nearest = nearest_word(word, known);
+  return 2 * edit_distance(word, nearest) <= std::max(word.size(), nearest.size()) ? nearest : std::string();
+}
+
 }  // namespace partpose

@@ -30,6 +30,14 @@ TEST(NearestWord, FindsTheKeyThatWasMeant) {
   EXPECT_EQ(nearest_word("scale_facotr", keys), "scale_factor");
 }
 
+TEST(SimilarWord, IsNoneThatIsFarOff) {
+  const std::vector<std::string> keys = {"voxel_size", "scale_flag", "fx"};
+  EXPECT_EQ(similar_word("voxel_sise", keys), "voxel_size");
+  EXPECT_EQ(similar_word("fz", keys), "fx");
+  EXPECT_EQ(similar_word("nosuchkey", keys), "");
+  EXPECT_EQ(similar_word("anything", {}), "");
+}
+
 TEST(NearestWord, TheFirstOfEquallyNear) {
   const std::vector<std::string> keys = {"abc", "abd"};
   EXPECT_EQ(nearest_word("abx", keys), "abc");

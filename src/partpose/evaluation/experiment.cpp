@@ -16,6 +16,7 @@
 #include "partpose/io/file.hpp"
 #include "partpose/io/json.hpp"
 #include "partpose/io/mesh_files.hpp"
+#include "partpose/io/model_files.hpp"
 #include "partpose/io/pcd.hpp"
 #include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/global_pipeline.hpp"
@@ -567,7 +568,14 @@ Json input_hashes(const ExperimentSpec& spec) {
   };
   add(spec.database);
   for (const auto& group : spec.groups)
-    for (const auto& part : group.parts) add(part);
+    for (const auto& part : group.parts) {
+      if (!fs::is_directory(part))
+        files.insert(part);
+      else
+        for (const auto& entry :
+             fs::directory_iterator(part))  // what a model consists of, and nothing that lies beside it
+          if (is_model_file(entry.path()) || lower_case_ending(entry.path()) == ".bin") files.insert(entry.path());
+    }
   for (const auto& configuration : spec.configurations) add(configuration.pipeline);
   for (const auto& protocol : spec.protocols) {
     add(protocol.views);

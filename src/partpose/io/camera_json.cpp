@@ -69,7 +69,9 @@ CameraFile read_camera(const std::filesystem::path& path) {
   try {
     return from_json<CameraFile>(json);
   } catch (const Error& error) {
-    const std::string hint = foreign_camera_hint(json);
+    std::string hint = foreign_camera_hint(json);
+    if (hint.empty() && std::string_view(error.what()).find("\"depth_scale_mm\" is missing") != std::string_view::npos)
+      hint = "write \"depth_scale_mm\": 1 where one unit of the depth image is 1 mm, 0.1 where it is 0.1 mm";
     throw Error("{}: {}{}{}", path.string(), error.what(), hint.empty() ? "" : "; ", hint);
   }
 }

@@ -48,7 +48,9 @@ TEST(CameraJson, SaysWhatIsWrong) {
   };
   EXPECT_EQ(reading("\"cx\": 319.5,", ""), "key \"cx\" is missing");
   EXPECT_EQ(reading(",\n                                    \"depth_scale_mm\": 0.125", ""),
-            "key \"depth_scale_mm\" is missing");
+            "key \"depth_scale_mm\" is missing; write \"depth_scale_mm\": 1 where one unit of the depth image is 1 mm, "
+            "0.1 where "
+            "it is 0.1 mm");
   EXPECT_EQ(reading("\"fx\"", "\"focal_x\": 1, \"fx\""), "unknown key \"focal_x\"; did you mean \"fx\"?");
   EXPECT_EQ(reading("0.125", "0"), "depth_scale_mm 0: must be positive");
   EXPECT_EQ(reading("0.125", "-1"), "depth_scale_mm -1: must be positive");

@@ -4,6 +4,7 @@
 
 #include "partpose/core/error.hpp"
 #include "partpose/core/hash.hpp"
+#include "partpose/geometry/mesh_inspection.hpp"
 #include "partpose/io/assimp_meshes.hpp"
 #include "partpose/io/file.hpp"
 #include "partpose/io/model_files.hpp"
@@ -91,6 +92,9 @@ std::vector<NamedMesh> read_mesh_file(const fs::path& file, const MeshReadOption
   if (const char* kind = other_than_a_model(ending))
     throw Error("{}: is {}, not a model of a part; depth images and point clouds are scenes, models end with {}",
                 file.string(), kind, fmt::join(mesh_file_endings(), ", "));
+  if (!is_model_file(file))
+    throw Error("{}: is no model file by its name; models end with {}", file.string(),
+                fmt::join(mesh_file_endings(), ", "));
   std::vector<NamedMesh> parts;
   if (ending == ".step" || ending == ".stp")
     parts = read_step(file, options);
@@ -98,14 +102,21 @@ std::vector<NamedMesh> read_mesh_file(const fs::path& file, const MeshReadOption
     parts.push_back({"", read_ply_mesh(file), file, ""});
   else if (ending == ".off")
     parts.push_back({"", read_off(file), file, ""});
-  else if (const auto& known = mesh_file_endings();
-           ending == ".stl" || std::find(known.begin(), known.end(), ending) == known.end())
+  else if (ending == ".stl")
     parts.push_back({"", read_stl(file), file, ""});
   else
     parts = read_with_assimp(file, options);
   give_names(parts, file);
   for (const auto& part : parts) check_usable(part);
   return parts;
+}
+
+std::string doubt_about_unit(const NamedMesh& part) {
+  const double diagonal_mm = bounding_box_diagonal(part.mesh);
+  const std::string guess = part.unit.empty() ? guess_unit(diagonal_mm) : "";
+  if (guess.empty()) return {};
+  return fmt::format("{}: is {:.4g} mm across; is it in {}? partpose inspect tells more, and converts it",
+                     part.file.string(), diagonal_mm, guess == "inch" ? "inches or centimetres" : guess + "s");
 }
 
 std::string content_hash(const TriangleMesh& mesh) {

@@ -62,6 +62,9 @@ std::vector<NamedMesh> read_meshes(const std::vector<std::filesystem::path>& fil
 /// The parts of one file, whose names may be those of another file's.
 std::vector<NamedMesh> read_mesh_file(const std::filesystem::path& file, const MeshReadOptions& options = {});
 
+/// For people, of a part whose file states no unit: its size is as if it were in metres, inches, ...; or empty.
+std::string doubt_about_unit(const NamedMesh& part);
+
 /// Tells whether a mesh changed.
 std::string content_hash(const TriangleMesh& mesh);
 

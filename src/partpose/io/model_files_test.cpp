@@ -36,6 +36,10 @@ TEST(ModelFiles, SaysWhatIsMissing) {
             (folder / "empty").string() +
                 ": has no model files (nothing that ends with .stl, .step, .stp, .obj, .ply, .off, .3mf, .gltf, "
                 ".glb)");
+  std::filesystem::create_directory(folder / "empty/below");
+  folder.file("empty/below/part.STL", "x");
+  EXPECT_CONTAINS(error_of([&] { model_files(folder / "empty"); }),
+                  ".glb); subfolders are not searched: give " + (folder / "empty/below").string() + " itself");
 }
 
 }  // namespace

@@ -23,6 +23,8 @@ constexpr int largest_side = 65536;
 constexpr std::size_t most_pixels = std::size_t{1} << 28;
 constexpr std::size_t best_compression = 1032;  // of deflate: 258 bytes from two bits
 
+constexpr const char* truncated = "truncated";
+
 /// What libpng's callbacks see.
 struct Stream {
   std::string_view input;
@@ -41,7 +43,7 @@ void on_warning(png_structp, png_const_charp) {}
 
 void on_read(png_structp png, png_bytep out, std::size_t length) {
   auto& stream = *static_cast<Stream*>(png_get_io_ptr(png));
-  if (length > stream.input.size() - stream.position) png_error(png, "truncated");
+  if (length > stream.input.size() - stream.position) png_error(png, truncated);
   std::memcpy(out, stream.input.data() + stream.position, length);
   stream.position += length;
 }
@@ -156,7 +158,9 @@ class PngReader {
   }
 
   [[noreturn]] void fail() const {
-    throw Error("{}: byte {}: {}: truncated or corrupted PNG", name_, stream_.position, stream_.complaint.data());
+    const std::string_view complaint = stream_.complaint.data();
+    if (complaint == truncated) throw Error("{}: byte {}: truncated PNG", name_, stream_.position);
+    throw Error("{}: byte {}: corrupted PNG: {}", name_, stream_.position, complaint);
   }
 
   std::string_view name_;

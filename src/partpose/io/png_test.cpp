@@ -164,16 +164,16 @@ TEST(DepthPng, RefusesWhatIsNoPng) {
 TEST(DepthPng, RefusesEveryTruncation) {
   for (std::size_t length = 1; length < depth_file.size(); ++length)
     EXPECT_CONTAINS(depth_error(depth_file.substr(0, length)), "truncated");
-  EXPECT_CONTAINS(depth_error(depth_file.substr(0, 40)), "byte 33: truncated: truncated or corrupted PNG");
+  EXPECT_CONTAINS(depth_error(depth_file.substr(0, 40)), "byte 33: truncated PNG");
 }
 
 TEST(DepthPng, RefusesCorruptedData) {
   auto bytes = depth_file;
   bytes[bytes.find("IDAT") + 8] ^= 1;
-  EXPECT_CONTAINS(depth_error(bytes), "truncated or corrupted PNG");
+  EXPECT_CONTAINS(depth_error(bytes), "corrupted PNG: ");
   bytes = depth_file;
   bytes[bytes.find("IHDR") + 7] ^= 1;
-  EXPECT_CONTAINS(depth_error(bytes), "byte 33: IHDR: CRC error: truncated or corrupted PNG");
+  EXPECT_CONTAINS(depth_error(bytes), "byte 33: corrupted PNG: IHDR: CRC error");
 }
 
 TEST(DepthPng, RefusesImpossibleSizesBeforeAllocating) {
@@ -182,8 +182,8 @@ TEST(DepthPng, RefusesImpossibleSizesBeforeAllocating) {
   EXPECT_CONTAINS(depth_error(with_size(depth_file, 2, 0x7fffffff)), "byte 16: 2 x 2147483647 px, at most 65536 px");
   EXPECT_CONTAINS(depth_error(with_size(depth_file, 65536, 65536)), "at most 65536 px a side and 268435456 pixels");
   EXPECT_CONTAINS(depth_error(with_size(depth_file, 10000, 10000)), "byte 16: 10000 x 10000 px cannot be in a file of");
-  EXPECT_CONTAINS(depth_error(with_size(depth_file, 30, 20)), "truncated or corrupted PNG");
-  EXPECT_CONTAINS(depth_error(with_size(depth_file, 0, 2)), "truncated or corrupted PNG");
+  EXPECT_CONTAINS(depth_error(with_size(depth_file, 30, 20)), "corrupted PNG: ");
+  EXPECT_CONTAINS(depth_error(with_size(depth_file, 0, 2)), "corrupted PNG: ");
 }
 
 TEST(DepthPng, SurvivesDamageWithoutAWord) {

@@ -6,13 +6,11 @@
 #include "partpose/io/camera_json.hpp"
 #include "partpose/io/cloud.hpp"
 #include "partpose/io/file.hpp"
-#include "partpose/io/mesh_files.hpp"
 #include "partpose/io/model_files.hpp"
 #include "partpose/io/png.hpp"
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <set>
 
 namespace partpose {
@@ -24,9 +22,8 @@ namespace fs = std::filesystem;
 const std::set<std::string> scene_endings = {".pcd", ".ply", ".png"};
 
 /// PLY files are scenes as well: a scanner may write them.
-bool is_model_alone(const std::string& ending) {
-  const auto& known = mesh_file_endings();
-  return !scene_endings.contains(ending) && std::find(known.begin(), known.end(), ending) != known.end();
+bool is_model_alone(const fs::path& file) {
+  return !scene_endings.contains(lower_case_ending(file)) && is_model_file(file);
 }
 
 /// Of a folder that is given as a scene: what to give instead.
@@ -35,7 +32,7 @@ std::string scenes_or_models_of(const fs::path& folder) {
   bool has_models = false;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string ending = lower_case_ending(entry.path());
-    has_models |= is_model_alone(ending);
+    has_models |= is_model_alone(entry.path());
     if (scene_endings.contains(ending))
       patterns.insert((folder / fmt::format("*{}", entry.path().extension().string())).string());
   }
@@ -48,7 +45,7 @@ void check_is_scene(const fs::path& path, const std::string& ending) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) throw Error("{}: is a folder, {}", path.string(), scenes_or_models_of(path));
   check_is_file(path);
-  if (is_model_alone(ending))
+  if (is_model_alone(path))
     throw Error(
         "{}: is a model of a part, not a scene; models are given with --models, which takes one file or folder each "
         "time",

@@ -7,6 +7,7 @@
 #include "partpose/core/stopwatch.hpp"
 #include "partpose/descriptor/descriptors.hpp"
 #include "partpose/geometry/voxel_grid.hpp"
+#include "partpose/preprocess/segmentation.hpp"
 
 #include <algorithm>
 
@@ -66,8 +67,11 @@ Recognition GlobalPipeline::recognize(const PointCloud& scene) const {
   step("preprocessing", [&] { r.preprocessed = preprocess(scene, config_.preprocessing).cloud; });
   step("normal_estimation", [&] { r.with_normals = with_normals(r.preprocessed, config_.normal_estimation); });
   if (r.with_normals.size() < smallest_scene) {
-    r.reason = fmt::format("{} of {} points are left after preprocessing and normal estimation, too few to match",
-                           r.with_normals.size(), scene.size());
+    const float mm = config_.preprocessing.scale_flag ? config_.preprocessing.scale_factor : 1;
+    std::vector<float> z_mm;
+    for (const auto& p : scene.points) z_mm.push_back(p.z() * mm);
+    r.reason = fmt::format("{} of {} points are left after preprocessing and normal estimation, too few to match{}",
+                           r.with_normals.size(), scene.size(), hint_of_unit(std::move(z_mm)));
     return r;
   }
   step("matching", [&] { r.candidates = match(r.with_normals); });

@@ -342,9 +342,10 @@ std::string why_nothing_stands_out(const DepthImage& depth) {
   return "nothing of a part's size stands out from the table or the background" + hint_of_unit(depth);
 }
 
-std::string hint_of_unit(const DepthImage& depth) {
-  std::vector<float> z_mm;
-  std::copy_if(depth.z_mm.begin(), depth.z_mm.end(), std::back_inserter(z_mm), [](float z) { return z > 0; });
+std::string hint_of_unit(const DepthImage& depth) { return hint_of_unit(depth.z_mm); }
+
+std::string hint_of_unit(std::vector<float> z_mm) {
+  std::erase_if(z_mm, [](float z) { return !(z > 0); });
   if (z_mm.empty()) return {};
   const auto middle = z_mm.begin() + static_cast<std::ptrdiff_t>(z_mm.size() / 2);
   std::nth_element(z_mm.begin(), middle, z_mm.end());

@@ -48,6 +48,8 @@ std::string why_nothing_stands_out(const DepthImage& depth);
 /// For people, of a frame in which nothing was recognized: "; it is nearer or farther than ...: is it in another
 /// unit?", or empty.
 std::string hint_of_unit(const DepthImage& depth);
+/// The same of points' distances along z in mm; those that are not positive do not count.
+std::string hint_of_unit(std::vector<float> z_mm);
 
 /// How many of the four neighbours of a measured pixel are measured, on average: 1 where there are no holes.
 double share_of_neighbours(const DepthImage& depth);
