@@ -48,7 +48,7 @@ class Engine(partpose.pipeline.PartRecognizer):
     def __init__(self, catalogue: partpose.pipeline.Catalogue, options: EngineOptions = ...) -> None: ...
 
     @staticmethod
-    def from_files(paths: Sequence[str | os.PathLike[str]], options: EngineOptions = ..., progress: Callable[[str, int, int], object] | None = None) -> Engine:
+    def from_files(paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], options: EngineOptions = ..., progress: Callable[[str, int, int], object] | None = None) -> Engine:
         """Of model files, or folders of them. Nothing is kept on disk."""
 
     def add(self, part: partpose.io.NamedMesh) -> None:

@@ -1330,9 +1330,15 @@ class PartRecognizer:
     @overload
     def recognize(self, scene: partpose.io.Scene) -> Recognition: ...
 
+    @overload
+    def recognize(self, scene: str | os.PathLike[str]) -> Recognition:
+        """A scene's file, as of read_scene."""
+
     @property
     def catalogue(self) -> Catalogue:
         """The parts that it knows."""
+
+    def __repr__(self) -> str: ...
 
 class RecognizerOptions:
     """
@@ -1389,7 +1395,7 @@ class Recognizer(PartRecognizer):
     def __init__(self, catalogue: Catalogue, options: RecognizerOptions = ...) -> None: ...
 
     @staticmethod
-    def from_files(paths: Sequence[str | os.PathLike[str]], options: RecognizerOptions = ..., cache_folder: str | os.PathLike[str] | None = None, progress: Callable[[str, int, int], object] | None = None) -> Recognizer:
+    def from_files(paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], options: RecognizerOptions = ..., cache_folder: str | os.PathLike[str] | None = None, progress: Callable[[str, int, int], object] | None = None) -> Recognizer:
         """
         Of model files, or folders of them. The catalogue is made on first use and kept under the cache folder.
         """

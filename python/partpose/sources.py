@@ -82,7 +82,7 @@ class DepthFolder(Source):
     def __init__(self, folder: _Path, *, follow: bool = False, camera: _Path | None = None) -> None:
         self.folder = Path(folder)
         self.follow = follow
-        self._camera = camera and Path(camera)
+        self._camera = None if camera is None else Path(camera)
         self._done: set[Path] = set()
         self._waiting: list[Path] = []
         self._cameras: dict[Path, CameraFile] = {}

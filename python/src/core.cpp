@@ -533,7 +533,7 @@ void bind_geometry_room(nb::module_& m) {
 
 Points::Points(AnyArray array) : array_(std::move(array)) {
   if (array_.ndim() != 2 || array_.shape(1) != 3)
-    throw Error("points: an N x 3 array of float32 is expected, got {}{}", what_array_it_is(array_),
+    throw Error("points: an N x 3 array of float32 or float64 is expected, got {}{}", what_array_it_is(array_),
                 array_.ndim() == 2 ? "; a depth image needs its intrinsics" : "");
   const std::size_t count = array_.shape(0);
   if (array_.dtype() == nb::dtype<float>() && is_contiguous(array_)) {
@@ -549,12 +549,13 @@ Points::Points(AnyArray array) : array_(std::move(array)) {
   else if (array_.dtype() == nb::dtype<double>())
     for_each<double>(array_, set);
   else
-    throw Error("points: float32 (or float64) in mm is expected, got {}", what_array_it_is(array_));
+    throw Error("points: float32 or float64 in mm is expected, got {}", what_array_it_is(array_));
   view_ = copy_;
 }
 
 Floats::Floats(AnyArray array) : array_(std::move(array)) {
-  if (array_.ndim() != 1) throw Error("values: a vector of float32 is expected, got {}", what_array_it_is(array_));
+  if (array_.ndim() != 1)
+    throw Error("values: a vector of float32 or float64 is expected, got {}", what_array_it_is(array_));
   if (array_.dtype() == nb::dtype<float>() && is_contiguous(array_)) {
     view_ = {static_cast<const float*>(array_.data()), array_.shape(0)};
     return;
@@ -566,7 +567,7 @@ Floats::Floats(AnyArray array) : array_(std::move(array)) {
   else if (array_.dtype() == nb::dtype<double>())
     for_each<double>(array_, set);
   else
-    throw Error("values: float32 (or float64) is expected, got {}", what_array_it_is(array_));
+    throw Error("values: float32 or float64 is expected, got {}", what_array_it_is(array_));
   view_ = copy_;
 }
 
@@ -574,7 +575,8 @@ DepthImage DepthPixels::image(double depth_scale_mm) const {
   if (!(depth_scale_mm > 0) || !std::isfinite(depth_scale_mm))
     throw Error("depth_scale_mm: must be positive, got {}", depth_scale_mm);
   if (array.ndim() != 2 || array.shape(0) > 65536 || array.shape(1) > 65536)
-    throw Error("depth: a height x width array of uint16 or float32 is expected, got {}", what_array_it_is(array));
+    throw Error("depth: a height x width array of uint16, float32 or float64 is expected, got {}",
+                what_array_it_is(array));
   DepthImage image(static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)));
   const auto set = [&](std::size_t v, std::size_t u, auto value) {
     const double z_mm = static_cast<double>(value) * depth_scale_mm;
@@ -588,7 +590,7 @@ DepthImage DepthPixels::image(double depth_scale_mm) const {
   else if (array.dtype() == nb::dtype<double>())
     for_each<double>(array, set);
   else
-    throw Error("depth: uint16 or float32 is expected, got {}", what_array_it_is(array));
+    throw Error("depth: uint16, float32 or float64 is expected, got {}", what_array_it_is(array));
   return image;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "described.hpp"
 #include "interruptible.hpp"
+#include "recognition.hpp"
 #include "rooms.hpp"
 
 #include "partpose/core/parallel.hpp"
@@ -23,8 +24,8 @@ struct DescribedEngineOptions : EngineOptions {
 };
 
 /// What an Engine needs, and the parts' symmetries, by which a Recognition knows the poses that look the same.
-Catalogue engine_catalogue(const std::vector<std::filesystem::path>& paths, const Progress& progress) {
-  Catalogue catalogue = mesh_catalogue(read_meshes(paths));
+Catalogue engine_catalogue(const std::vector<NamedMesh>& parts, const Progress& progress) {
+  Catalogue catalogue = mesh_catalogue(parts);
   std::size_t done = 0;
   std::mutex mutex;
   parallel_for(catalogue.parts.size(), [&](std::size_t i) {
@@ -42,7 +43,6 @@ Catalogue engine_catalogue(const std::vector<std::filesystem::path>& paths, cons
 }  // namespace
 
 void bind_engine(nb::module_& parent) {
-  namespace fs = std::filesystem;
   auto m = room(parent, "engine", "The engine: templates, a distance field and render-and-compare.");
   const auto released = nb::call_guard<nb::gil_scoped_release>();
 
@@ -55,9 +55,13 @@ void bind_engine(nb::module_& parent) {
            released)
       .def_static(
           "from_files",
-          [](const std::vector<fs::path>& paths, const DescribedEngineOptions& options, const Callback& progress) {
-            return interruptible(
-                progress, [&](const Progress& told) { return new Engine(engine_catalogue(paths, told), options); });
+          [](const Paths& paths, const DescribedEngineOptions& options, const Callback& progress) {
+            std::vector<std::string> doubts;
+            auto made = interruptible(progress, [&](const Progress& told) {
+              return std::make_unique<Engine>(engine_catalogue(read_parts(paths, doubts), told), options);
+            });
+            warn(doubts);
+            return made.release();
           },
           "paths"_a, "options"_a = DescribedEngineOptions{}, "progress"_a = nb::none(), released,
           "Of model files, or folders of them. Nothing is kept on disk.")

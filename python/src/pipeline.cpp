@@ -5,6 +5,8 @@
 #include "rooms.hpp"
 
 #include "partpose/dataset/dataset.hpp"
+#include "partpose/io/mesh_files.hpp"
+#include "partpose/io/scene.hpp"
 #include "partpose/pipeline/catalogue_cache.hpp"
 #include "partpose/pipeline/config_file.hpp"
 #include "partpose/pipeline/global_pipeline.hpp"
@@ -299,9 +301,11 @@ void bind_recognition(nb::module_& m) {
       },
       nb::name("__repr__"), nb::scope(recognition), nb::is_method());
 
-  nb::class_<PartRecognizer>(m, "PartRecognizer",
-                             "What recognizes the part in a scene: one of the pipelines with its catalogue. Immutable; "
-                             "several threads may use it at once.")
+  nb::class_<PartRecognizer> recognizer(
+      m, "PartRecognizer",
+      "What recognizes the part in a scene: one of the pipelines with its catalogue. Immutable; "
+      "several threads may use it at once.");
+  recognizer
       .def(
           "recognize",
           [](const PartRecognizer& self, const DepthPixels& depth, const Intrinsics& camera, double depth_scale_mm) {
@@ -334,8 +338,22 @@ void bind_recognition(nb::module_& m) {
           },
           "cloud"_a, released)
       .def("recognize", &recognized, "scene"_a, released)
+      .def(
+          "recognize",
+          [](const PartRecognizer& self, const fs::path& scene) { return recognized(self, read_scene(scene)); },
+          "scene"_a, released, "A scene's file, as of read_scene.")
       .def_prop_ro("catalogue", &PartRecognizer::catalogue, nb::rv_policy::reference_internal,
                    "The parts that it knows.");
+  recognizer.attr("__repr__") = nb::cpp_function(
+      [](nb::handle self) {
+        constexpr std::size_t most = 10;
+        const auto& parts = nb::cast<const PartRecognizer&>(self).catalogue().parts;
+        std::string names;
+        for (std::size_t i = 0; i < std::min(parts.size(), most); ++i) names += (i ? ", " : "") + parts[i].name;
+        return fmt::format("{}({} part{}: {}{})", nb::str(self.type().attr("__name__")).c_str(), parts.size(),
+                           parts.size() == 1 ? "" : "s", names, parts.size() > most ? ", ..." : "");
+      },
+      nb::name("__repr__"), nb::scope(recognizer), nb::is_method());
 
   bind_described<DescribedRecognizerOptions>(m, "RecognizerOptions", "What the Recognizer may be told.");
 
@@ -344,14 +362,18 @@ void bind_recognition(nb::module_& m) {
            released)
       .def_static(
           "from_files",
-          [](const std::vector<fs::path>& files_or_folders, const DescribedRecognizerOptions& options,
-             const std::optional<fs::path>& cache_folder, const Callback& progress) {
+          [](const Paths& paths, const DescribedRecognizerOptions& options, const std::optional<fs::path>& cache_folder,
+             const Callback& progress) {
             const fs::path cache = cache_folder ? *cache_folder : default_cache_folder();
-            return interruptible(progress, [&](const Progress& told) {
-              return new Recognizer(cached_catalogue(files_or_folders, DatasetPreparationConfig{},
-                                                     Recognizer::catalogue_config(), cache, told),
-                                    options);
+            std::vector<std::string> doubts;
+            auto made = interruptible(progress, [&](const Progress& told) {
+              return std::make_unique<Recognizer>(
+                  cached_catalogue(read_parts(paths, doubts), DatasetPreparationConfig{},
+                                   Recognizer::catalogue_config(), cache, told),
+                  options);
             });
+            warn(doubts);
+            return made.release();
           },
           "paths"_a, "options"_a = DescribedRecognizerOptions{}, "cache_folder"_a = nb::none(),
           "progress"_a = nb::none(), released,
@@ -425,6 +447,20 @@ Scene depth_scene(DepthImage depth, const Intrinsics& camera) {
   scene.depth = std::move(depth);
   scene.intrinsics = camera;
   return scene;
+}
+
+std::vector<NamedMesh> read_parts(const Paths& paths, std::vector<std::string>& doubts) {
+  const auto* one = std::get_if<fs::path>(&paths);
+  std::vector<NamedMesh> parts = one ? read_meshes(*one) : read_meshes(std::get<std::vector<fs::path>>(paths));
+  for (const auto& part : parts)
+    if (std::string doubt = doubt_about_unit(part); !doubt.empty()) doubts.push_back(std::move(doubt));
+  return parts;
+}
+
+void warn(const std::vector<std::string>& doubts) {
+  const nb::gil_scoped_acquire gil;
+  for (const auto& doubt : doubts)
+    if (PyErr_WarnEx(PyExc_UserWarning, doubt.c_str(), 1) != 0) throw nb::python_error();
 }
 
 Recognized recognized(const PartRecognizer& recognizer, const Scene& scene) {

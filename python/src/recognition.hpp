@@ -3,9 +3,12 @@
 #pragma once
 
 #include "partpose/geometry/symmetries.hpp"
+#include "partpose/io/mesh_files.hpp"
 #include "partpose/pipeline/recognition.hpp"
 
+#include <filesystem>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace partpose::python {
@@ -32,6 +35,13 @@ struct Recognized {
   /// The detection that `recognition.result` is; null: nothing was recognized.
   const NamedDetection* best() const { return recognition.accepted < 0 ? nullptr : &detections.front(); }
 };
+
+/// One file or folder, or several.
+using Paths = std::variant<std::filesystem::path, std::vector<std::filesystem::path>>;
+/// Their parts; what is doubtful in them is added to `doubts`.
+std::vector<NamedMesh> read_parts(const Paths& paths, std::vector<std::string>& doubts);
+/// By Python's warnings, of the line that called.
+void warn(const std::vector<std::string>& doubts);
 
 Scene depth_scene(DepthImage depth, const Intrinsics& camera);
 Recognized recognized(const PartRecognizer& recognizer, const Scene& scene);

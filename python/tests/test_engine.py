@@ -80,6 +80,22 @@ def test_engine_options(small_engine: partpose.Engine, bracket_scene: io.Scene) 
         engine.Engine.from_files(["nowhere"])
 
 
+def test_what_is_given_otherwise(small_engine: partpose.Engine, tmp_path: Path) -> None:
+    assert repr(small_engine) == "Engine(2 parts: bracket, flange)"
+    one = engine.Engine.from_files(ROOT / "parts" / "bracket.stl")
+    assert repr(one) == "Engine(1 part: bracket)"
+    assert one.recognize(ROOT / "scenes" / "bracket.png").part == "bracket"
+    with pytest.raises(Error, match="depth: uint16, float32 or float64 is expected, got int32"):
+        one.recognize(np.zeros((4, 6), np.int32), partpose.Intrinsics(6, 4, 5, 5, 2.5, 1.5))
+    with pytest.raises(Error, match=r"N x 3 array of float32 or float64 is expected, got float64 of shape \(5, 2\)"):
+        one.recognize(np.zeros((5, 2)))
+    mesh = one.catalogue.parts[0].mesh
+    io.write_stl(tmp_path / "metres.stl", partpose.TriangleMesh(mesh.vertices * 0.001, mesh.triangles))
+    with pytest.warns(UserWarning, match="metres.stl: is 0.134. mm across; is it in metres") as warned:
+        engine.Engine.from_files([tmp_path / "metres.stl"])
+    assert warned[0].filename == __file__
+
+
 def test_parts_come_and_go(bracket_scene: io.Scene) -> None:
     flange, bracket = (io.read_meshes([ROOT / "parts" / f"{name}.stl"])[0] for name in ("flange", "bracket"))
     growing = engine.Engine.from_files([ROOT / "parts/flange.stl"])

@@ -88,7 +88,7 @@ def test_bad_frames(recognizer: partpose.Recognizer, bracket_scene: io.Scene, ba
         recognizer.recognize(bad, bracket_scene.intrinsics)
     with pytest.raises(Error):
         recognizer.recognize(np.zeros((480, 640), np.uint16))  # without intrinsics
-    with pytest.raises(TypeError):
+    with pytest.raises(Error, match="frame.png: no such file"):
         recognizer.recognize("frame.png")
 
 

@@ -5,8 +5,9 @@
 #include "output.hpp"
 #include "terminal.hpp"
 
-#include <CLI/CLI.hpp>
 #include "partpose/core/error.hpp"
+
+#include <CLI/CLI.hpp>
 
 namespace partpose::apps {
 
