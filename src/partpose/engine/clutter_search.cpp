@@ -364,7 +364,7 @@ std::vector<std::size_t> explained_pixels(const PartModel& model, const Eigen::I
   return out;
 }
 
-/// Finds one part after the other in what is left.
+/// Finds parts in what is left: some together, then others in what these leave.
 class Separation {
  public:
   Separation(std::span<const PartModel* const> models, FramePieces& frame, const std::bitset<256>& unexplained)
@@ -427,8 +427,7 @@ class Separation {
     int no_outline = 0;                           ///< of them: where the surface just goes on
     int goes_on = 0;                              ///< of them: into what is not explained
     std::vector<std::uint64_t> explained_bits{};  ///< which pixels of the rest it explains, row by row in its box
-    int explained_px = 0;
-    double gain = 0;  ///< of log-likelihood, over leaving its pixels unexplained
+    double gain = 0;                              ///< of log-likelihood, over leaving its pixels unexplained
   };
 
   /// A part that was found, with its pixels.
@@ -518,6 +517,12 @@ class Separation {
     constexpr double most_shared = 0.15;  // of the pixels that one of them explains
     const auto count = static_cast<Eigen::Index>(trials.size());
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(count, count);
+    std::vector<int> explained_px;
+    for (const auto& trial : trials) {
+      explained_px.push_back(0);
+      for (const std::uint64_t bits : trial.explained_bits) explained_px.back() += std::popcount(bits);
+      explained_px.back() = std::max(explained_px.back(), 1);
+    }
     parallel_for(trials.size(), [&](std::size_t i) {
       for (std::size_t j = 0; j < i; ++j) {
         const Trial &a = trials[i], &b = trials[j];
@@ -526,8 +531,8 @@ class Separation {
         int px = 0;
         for (std::size_t k = 0; k < a.explained_bits.size(); ++k)
           px += std::popcount(a.explained_bits[k] & b.explained_bits[k]);
-        const int fewer_px = std::min(a.explained_px, b.explained_px);
-        const double gain_per_px = std::min(a.gain / a.explained_px, b.gain / b.explained_px);
+        const int fewer_px = std::min(explained_px[i], explained_px[j]);
+        const double gain_per_px = std::min(a.gain / explained_px[i], b.gain / explained_px[j]);
         out(i, j) =
             px > most_shared * fewer_px ? std::numeric_limits<double>::infinity() : px * (gain_per_px + conflict_cost);
       }
@@ -610,7 +615,6 @@ class Separation {
     const Beyond beyond = beyond_outline(rendered, beyond_px, window.stride);
     const int box_width = rest.u1 - rest.u0 + 1, box_height = rest.v1 - rest.v0 + 1;
     trial.explained_bits.assign((static_cast<std::size_t>(std::max(box_width * box_height, 0)) + 63) / 64, 0);
-    trial.explained_px = 0;
     trial.conflicts = trial.outline = trial.no_outline = trial.goes_on = trial.covered = 0;
     for (int v = 0; v < rendered.height; ++v)
       for (int u = 0; u < rendered.width; ++u) {
@@ -624,7 +628,6 @@ class Separation {
             for (int uu = std::max(first_u, 0); uu < std::min(first_u + window.stride, box_width); ++uu) {
               const std::size_t bit = static_cast<std::size_t>(vv) * box_width + uu;
               trial.explained_bits[bit / 64] |= std::uint64_t{1} << (bit % 64);
-              ++trial.explained_px;
             }
         }
         if (rendered.z_mm[p] > 0 && label == PixelLabel::object &&

@@ -24,10 +24,10 @@ struct KnownPart {
 
 /// Finds parts that touch or cover one another, or of which something hides a part, where the whole of what is
 /// connected says little: in the pixels of the labels in `unexplained`, and of the `known` parts that explain some of
-/// these as well, which are tried first. Starts are the parts' views about places on the surface (AnchoredViews); what
-/// the best of them explains is taken away, and what is left is looked at again, until nothing good is found. The
-/// pixels of each part get a label of their own, which all objects whose pixels they were get as well. Null models are
-/// left out.
+/// these as well, which are tried with the others. Starts are the parts' views about places on the surface
+/// (AnchoredViews); what the best of them explain together is taken away, and what is left is looked at again, until
+/// nothing good is found. The pixels of each part get a label of their own, which objects that lose more to it than
+/// their edge get as well. Null models are left out.
 std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,
                                     const std::bitset<256>& unexplained, std::span<const KnownPart> known);
 

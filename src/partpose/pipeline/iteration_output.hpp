@@ -14,8 +14,7 @@ namespace partpose {
 /// is candidate N's view at its final pose, result_partial the accepted one's, result_full the whole part. What a
 /// report reads besides, with the point clouds or the pictures: scene_depth.png (of a depth image) with its camera,
 /// scene_preprocessed.ply, all objects in detections.json, and the parts' meshes in `folder`/meshes/, once for all
-/// iterations. Returns the
-/// iteration's folder.
+/// iterations. Returns the iteration's folder.
 std::filesystem::path write_iteration(const std::filesystem::path& folder, const Recognition& recognition,
                                       const Scene& scene, const Catalogue& catalogue,
                                       const GlobalPipelineConfig& config);
