@@ -45,7 +45,7 @@ struct Target {
   double unexplained_px = 0;              ///< by the best
   Detection detection;                    ///< of the best candidate
   std::set<int> heard;                    ///< parts whose hypotheses were refined
-  bool partly_hidden = false;             ///< by something nearer; asked only where it matters
+  bool partly_hidden = false;             ///< by something nearer
   bool polished = false;                  ///< whether the contenders lie as near to the data as they get
   FrameWindow fine;                       ///< about the contenders
   std::vector<ProjectiveRefinement> fit;  ///< of the contenders
@@ -430,8 +430,9 @@ std::vector<Target> Engine::Impl::examine_all(const FramePieces& frame, Explaine
     if (target.is_weak())
       examine(target, time("at_rest", [&] { return at_rest(models_to_search(target.heard), target.view); }), true,
               time);
-    if (target.best_score < Target::weak_when_hidden) target.partly_hidden = is_partly_hidden(target.view);
-    if (target.partly_hidden && target.is_weak()) examine(target, {.look_behind = true}, time);
+    target.partly_hidden = is_partly_hidden(target.view);
+    // However sure it is: a wrong pose may explain all that shows.
+    if (target.partly_hidden) examine(target, {.look_behind = true}, time);
     // A part may be explained well with a piece of another one.
     constexpr double strong_with_others = 0.95;
     const bool of_several = object.labels.count() > 1 && !object.whole_frame;
