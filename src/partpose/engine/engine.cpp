@@ -446,7 +446,10 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
                                                         ExplainedLabels& labels, StageTimes& time) const {
   for (auto& target : targets) {
     const FrameObject& object = *target.view.object;
-    if (!is_worth_a_search(target, labels.well.any()) || may_be_one_part(frame) || (object.labels & labels.well).any())
+    if (may_be_one_part(frame)) continue;
+    // However sure it is, as where it is looked behind; beside other parts such starts reach over these.
+    const bool alone_and_hidden = target.partly_hidden && shows_enough(target) && (labels.well & ~object.labels).none();
+    if (!alone_and_hidden && (!is_worth_a_search(target, labels.well.any()) || (object.labels & labels.well).any()))
       continue;
     if (frame.shadow_of.empty()) time("anchored", [&] { find_shadows(frame); });
     auto hypotheses =
