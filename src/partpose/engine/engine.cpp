@@ -186,8 +186,9 @@ struct Engine::Impl {
   void examine(Target& target, std::vector<Hypothesis> starts, bool one_part, StageTimes& time) const;
   /// The frame's objects that may be parts, but for pieces of what is explained as a whole.
   std::vector<Target> examine_all(const FramePieces& frame, ExplainedLabels& labels, StageTimes& time) const;
-  /// Polishes and decides where the coarse comparison is in doubt: a pose that is still a little off explains little.
-  void reconsider(Target& target, StageTimes& time) const;
+  /// Polishes and decides where the coarse comparison is in doubt, not above `strong`: a pose that is still a little
+  /// off explains little.
+  void reconsider(Target& target, double strong, StageTimes& time) const;
   /// Looks more closely at what is weakly explained. The parts that it finds become targets, which refer to them.
   std::vector<SeparatedPart> search_closely(std::vector<Target>& targets, FramePieces& frame, ExplainedLabels& labels,
                                             StageTimes& time) const;
@@ -401,11 +402,11 @@ void Engine::Impl::examine(Target& target, std::vector<Hypothesis> hypotheses, b
     if (hypotheses.size() > 2 * kept) hypotheses.resize(2 * kept);
   });
   time("verify", [&] { verify(target, std::move(hypotheses), one_part); });
-  reconsider(target, time);
+  reconsider(target, Target::strong, time);
 }
 
-void Engine::Impl::reconsider(Target& target, StageTimes& time) const {
-  if (target.best_score > Target::strong || target.best_score < hopeless || target.polished) return;
+void Engine::Impl::reconsider(Target& target, double strong, StageTimes& time) const {
+  if (target.best_score > strong || target.best_score < hopeless || target.polished) return;
   time("polish", [&] { polish(target); });
   time("decision", [&] { decide(target); });
 }
@@ -436,7 +437,9 @@ std::vector<Target> Engine::Impl::examine_all(const FramePieces& frame, Explaine
     // A part may be explained well with a piece of another one.
     constexpr double strong_with_others = 0.95;
     const bool of_several = object.labels.count() > 1 && !object.whole_frame;
-    if (target.best_score > (of_several ? strong_with_others : Target::strong)) labels.well |= object.labels;
+    const double strong = of_several ? strong_with_others : Target::strong;
+    reconsider(target, strong, time);
+    if (target.best_score > strong) labels.well |= object.labels;
     targets.push_back(std::move(target));
   }
   return targets;
@@ -456,7 +459,7 @@ std::vector<SeparatedPart> Engine::Impl::search_closely(std::vector<Target>& tar
         time("anchored", [&] { return anchored_hypotheses(models_to_search(target.heard), frame, object); });
     time("verify", [&] { verify(target, std::move(hypotheses), false); });
     target.polished = false;  // with the shadows it may look different
-    reconsider(target, time);
+    reconsider(target, Target::strong, time);
     if (target.is_weak()) labels.weakly |= object.labels;
     if (target.best_score > Target::strong) labels.well |= object.labels;
   }
@@ -637,7 +640,7 @@ std::vector<Target> Engine::Impl::targets_of(const FramePieces& frame, const std
     if (target.view.points.points_mm.size() < 30) continue;
     time("verify", [&] { verify(target, part.hypotheses, false); });
     if (target.candidates.empty() || hangs(target.candidates[0], part)) continue;
-    reconsider(target, time);
+    reconsider(target, Target::strong, time);
     targets.push_back(std::move(target));
   }
   return targets;
