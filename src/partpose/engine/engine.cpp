@@ -5,11 +5,13 @@
 #include "partpose/core/error.hpp"
 #include "partpose/core/parallel.hpp"
 #include "partpose/core/pose.hpp"
-#include "partpose/engine/clutter_search.hpp"
+#include "partpose/engine/anchored_search.hpp"
 #include "partpose/engine/comparison.hpp"
 #include "partpose/engine/frame_pieces.hpp"
 #include "partpose/engine/hypothesis.hpp"
 #include "partpose/engine/part_model.hpp"
+#include "partpose/engine/part_outline.hpp"
+#include "partpose/engine/separation.hpp"
 #include "partpose/engine/verdict.hpp"
 #include "partpose/pipeline/stage_times.hpp"
 #include "partpose/preprocess/segmentation.hpp"
@@ -227,7 +229,6 @@ struct Engine::Impl {
   std::size_t contenders_of(const Target& target) const;
   /// For a comparison of every `stride`-th pixel.
   SensorModel sensor(const Target& target, int stride) const {
-    constexpr int outline_px = 3;  // stereo matching makes outlines wider by half its window
     const double z_mm = target.view.all.centre_mm().z();
     return {.noise_mm = target.noise_mm,
             .outline_px = (outline_px + stride - 1) / stride,

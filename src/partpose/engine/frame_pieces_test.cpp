@@ -3,6 +3,7 @@
 #include "partpose/engine/frame_pieces.hpp"
 
 #include "partpose/camera/rasterizer.hpp"
+#include "partpose/engine/object_points.hpp"
 #include "tests/shapes.hpp"
 
 #include <gtest/gtest.h>

@@ -4,6 +4,7 @@
 
 #include "partpose/engine/field_refinement.hpp"
 #include "partpose/engine/frame_pieces.hpp"
+#include "partpose/engine/object_points.hpp"
 #include "partpose/engine/part_model.hpp"
 
 #include <Eigen/Geometry>

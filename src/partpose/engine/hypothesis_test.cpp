@@ -217,5 +217,24 @@ TEST(PartModel, RestsOnItsFaces) {
   }
 }
 
+TEST(SinksIntoTable, WhatReachesBelowIt) {
+  const PartModel model(shapes::l_bracket());
+  FramePieces frame;
+  frame.camera = {.width = 320, .height = 240, .fx = 500, .fy = 500, .cx = 159.5, .cy = 119.5};
+  const auto lowest_at = [&](double z_mm) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() = -model.middle_mm;
+    pose.translation().z() = z_mm - model.box_mm.max().z();
+    return pose;
+  };
+  EXPECT_FALSE(height_above_table_mm(frame, model, lowest_at(500)));
+  EXPECT_FALSE(sinks_into_table(frame, model, lowest_at(500), 0));
+  frame.table = FlatSurface{.q = {0, 0, 1 / 500.0f}};
+  EXPECT_NEAR(height_above_table_mm(frame, model, lowest_at(470)).value(), 30, 1);
+  EXPECT_FALSE(sinks_into_table(frame, model, lowest_at(470), 5));
+  EXPECT_FALSE(sinks_into_table(frame, model, lowest_at(500), 5));
+  EXPECT_TRUE(sinks_into_table(frame, model, lowest_at(530), 5));
+}
+
 }  // namespace
 }  // namespace partpose

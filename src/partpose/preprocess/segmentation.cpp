@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/preprocess/segmentation.hpp"
 
+#include "partpose/core/union_find.hpp"
 #include "partpose/geometry/kd_tree.hpp"
 #include "partpose/geometry/plane.hpp"
 
@@ -12,7 +13,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <optional>
 
 namespace partpose {
@@ -37,19 +37,6 @@ float extent_mm(const std::vector<Eigen::Vector3f>& points, const std::vector<in
   }
   return largest;
 }
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int find(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(int a, int b) { parent_[std::max(find(a), find(b))] = std::min(find(a), find(b)); }
-
- private:
-  std::vector<int> parent_;
-};
 
 /// Groups of neighbouring pixels that are near in space; holes of one pixel are bridged.
 std::vector<std::vector<int>> connected_pixels(const std::vector<int>& pixels, const DepthImage& depth,

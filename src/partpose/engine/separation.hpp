@@ -35,19 +35,4 @@ std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, Fr
 std::vector<SeparatedPart> separate_known(std::span<const PartModel* const> models, FramePieces& frame,
                                           const std::bitset<256>& unexplained, std::span<const Hypothesis> known);
 
-/// The pixels of the largest connected piece of these labels that the hypothesis, if any, leaves unexplained; what is
-/// no wider than an outline does not count.
-int largest_left_px(const FramePieces& frame, const std::bitset<256>& labels, const Hypothesis* explained,
-                    std::span<const PartModel* const> models, double noise_mm);
-
-struct AnchoredSearch {
-  int most_seeds = 8;       ///< places on the surface
-  bool every_part = false;  ///< every part keeps its best at each place, however much others explain there
-};
-
-/// Parts at poses about places on the surface of `rest`, refined; best first, their cost is minus the mm2 of `rest`
-/// that they explain, less what speaks against them. Null models are left out.
-std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> models, const FramePieces& frame,
-                                            const FrameObject& rest, const AnchoredSearch& search = {});
-
 }  // namespace partpose

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "partpose/engine/clutter_search.hpp"
+#include "partpose/engine/separation.hpp"
 
 #include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/random.hpp"
@@ -22,7 +22,7 @@ NamedMesh named(const char* name, TriangleMesh mesh) {
   return out;
 }
 
-class ClutterSearchTest : public testing::Test {
+class SeparationTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     engine = std::make_unique<Engine>(
@@ -72,7 +72,7 @@ Eigen::Isometry3d bracket_at(const TriangleMesh& bracket, double x, double y, do
   return pose * Eigen::Translation3d(0, 0, -box.min().z()) * Eigen::Isometry3d::Identity();
 }
 
-TEST_F(ClutterSearchTest, FindsEachOfThreePartsThatTouch) {
+TEST_F(SeparationTest, FindsEachOfThreePartsThatTouch) {
   Random random(5);
   const TriangleMesh bracket = shapes::l_bracket(), pin = shapes::cylinder(15, 70, 40);
   const Eigen::Isometry3d first = bracket_at(bracket, -60, 0, 0);
@@ -94,7 +94,7 @@ TEST_F(ClutterSearchTest, FindsEachOfThreePartsThatTouch) {
   EXPECT_EQ(r.detections.size(), 3u);
 }
 
-TEST_F(ClutterSearchTest, FindsFlatPartsSideBySide) {
+TEST_F(SeparationTest, FindsFlatPartsSideBySide) {
   Random random(8);
   const TriangleMesh bracket = shapes::l_bracket();
   const double length_mm = bounding_box(bracket).sizes().x();
@@ -111,7 +111,7 @@ TEST_F(ClutterSearchTest, FindsFlatPartsSideBySide) {
 
 /// What is sure by one piece of it is what lies in the way of a neighbour in another.
 /// The block explains most of what is seen of both.
-TEST_F(ClutterSearchTest, FindsASmallPartInThePieceOfALargeOne) {
+TEST_F(SeparationTest, FindsASmallPartInThePieceOfALargeOne) {
   Random random(8);
   const TriangleMesh block = shapes::box({-60, -40, 0}, {60, 40, 50}), small = shapes::box({0, 0, 0}, {40, 24, 18});
   const Engine both({named("block", block), named("small", small)});
@@ -124,7 +124,7 @@ TEST_F(ClutterSearchTest, FindsASmallPartInThePieceOfALargeOne) {
   EXPECT_EQ(r.detections.size(), 2);
 }
 
-TEST_F(ClutterSearchTest, AKnownPartTakesItsPixelsOfOtherPieces) {
+TEST_F(SeparationTest, AKnownPartTakesItsPixelsOfOtherPieces) {
   Random random(4);
   const TriangleMesh bracket = shapes::l_bracket(), pin = shapes::cylinder(15, 70, 40);
   const Eigen::Isometry3d first = bracket_at(bracket, -60, 0, 0);
@@ -161,7 +161,7 @@ TEST_F(ClutterSearchTest, AKnownPartTakesItsPixelsOfOtherPieces) {
     }
 }
 
-TEST_F(ClutterSearchTest, FindsAPartBeneathSomethingUnknownThatTouchesIt) {
+TEST_F(SeparationTest, FindsAPartBeneathSomethingUnknownThatTouchesIt) {
   Random random(11);
   const TriangleMesh bracket = shapes::l_bracket();
   const Eigen::Isometry3d first = bracket_at(bracket, -60, 0, 0);
@@ -178,7 +178,7 @@ TEST_F(ClutterSearchTest, FindsAPartBeneathSomethingUnknownThatTouchesIt) {
   EXPECT_NE(found_near(r, 0, bracket, second), nullptr);
 }
 
-TEST_F(ClutterSearchTest, OfAPartWithSomethingBesideItTakesItsOwnPixels) {
+TEST_F(SeparationTest, OfAPartWithSomethingBesideItTakesItsOwnPixels) {
   Random random(13);
   const TriangleMesh bracket = shapes::l_bracket();
   const Eigen::Isometry3d pose = bracket_at(bracket, 0, 0, 20);
@@ -216,7 +216,7 @@ TEST_F(ClutterSearchTest, OfAPartWithSomethingBesideItTakesItsOwnPixels) {
   EXPECT_EQ(taken({40, 0, 0}), 0);
 }
 
-TEST_F(ClutterSearchTest, FindsAPartOfWhichAPlateHidesMuch) {
+TEST_F(SeparationTest, FindsAPartOfWhichAPlateHidesMuch) {
   Random random(7);
   const TriangleMesh bracket = shapes::l_bracket();
   int found = 0;
@@ -252,7 +252,7 @@ TriangleMesh chamfered_disc() {
   return mesh;
 }
 
-TEST_F(ClutterSearchTest, AChamferedDiscIsNoPlaceOnALargerPlate) {
+TEST_F(SeparationTest, AChamferedDiscIsNoPlaceOnALargerPlate) {
   const Engine discs({named("disc", chamfered_disc()), named("bracket", shapes::l_bracket())});
   Random random(3);
   const TriangleMesh bracket = shapes::l_bracket();
@@ -265,97 +265,6 @@ TEST_F(ClutterSearchTest, AChamferedDiscIsNoPlaceOnALargerPlate) {
     const Recognition r = discs.recognize(measured(scene, random), camera);
     for (const auto& detection : r.detections) EXPECT_NE(detection.part, 0) << length_mm;
   }
-}
-
-TEST(AnchoredHypotheses, TheTruePoseIsAmongTheFirst) {
-  const PartModel model(shapes::l_bracket());
-  const std::vector<const PartModel*> models = {&model};
-  const Intrinsics camera{.width = 320, .height = 240, .fx = 500, .fy = 500, .cx = 159.5, .cy = 119.5};
-  Random random(9);
-  int right = 0;
-  constexpr int frames = 8;
-  for (int k = 0; k < frames; ++k) {
-    const Eigen::Isometry3d truth = shapes::random_pose(random, {0, 0, 500});
-    DepthImage depth = render(shapes::l_bracket(), truth, camera).depth;
-    // A wall hides a third or so of it; behind the part there is another.
-    for (int v = 0; v < depth.height; ++v)
-      for (int u = 0; u < depth.width; ++u) {
-        float& z = depth.z_mm[v * depth.width + u];
-        z = u < 140 ? 300.0f : z > 0 ? z : 900.0f;
-      }
-    FramePiecesOptions options;
-    options.largest_part_mm = options.smallest_part_mm = static_cast<float>(model.diameter_mm);
-    FramePieces frame = split_frame(depth, camera, options);
-    FrameObject rest;
-    for (std::size_t p = 0; p < depth.z_mm.size(); ++p)
-      if (depth.z_mm[p] > 301 && depth.z_mm[p] < 899) {
-        frame.label[p] = 200;
-        ++rest.pixels;
-      }
-    rest.labels.set(200);
-    rest.u1 = depth.width - 1, rest.v1 = depth.height - 1;
-    const auto hypotheses = anchored_hypotheses(models, frame, rest);
-    for (std::size_t i = 0; i < std::min<std::size_t>(hypotheses.size(), 10); ++i) {
-      const Eigen::Isometry3d off = truth.inverse() * hypotheses[i].camera_from_model;
-      double farthest = 0;
-      for (const auto& v : shapes::l_bracket().vertices)
-        farthest = std::max(farthest, shapes::distance_to_mesh(off * v.cast<double>(), shapes::l_bracket()));
-      if (farthest > 5) continue;
-      ++right;
-      break;
-    }
-  }
-  EXPECT_GE(right, frames - 2);  // what is left may be one flat face
-}
-
-TEST(LargestLeft, WhatThePartLeavesInOnePiece) {
-  const PartModel model(shapes::l_bracket());
-  const std::vector<const PartModel*> models = {&model};
-  Hypothesis part;
-  part.part = 0;
-  part.camera_from_model = Eigen::Translation3d(0, 0, 500) * Eigen::Isometry3d::Identity();
-  FramePieces frame;
-  frame.camera = {.width = 320, .height = 240, .fx = 500, .fy = 500, .cx = 159.5, .cy = 119.5};
-  DepthImage depth = render(shapes::l_bracket(), part.camera_from_model, frame.camera).depth;
-  frame.depth = &depth;
-  frame.label.assign(depth.z_mm.size(), FramePieces::background);
-  for (std::size_t p = 0; p < depth.z_mm.size(); ++p)
-    if (depth.z_mm[p] > 0) frame.label[p] = FramePieces::first_piece;
-  const auto add = [&](int u0, int v0, int width, int height) {
-    for (int v = v0; v < v0 + height; ++v)
-      for (int u = u0; u < u0 + width; ++u) {
-        depth.at(u, v) = 480;
-        frame.label[static_cast<std::size_t>(v) * depth.width + u] = FramePieces::first_piece;
-      }
-  };
-  std::bitset<256> labels;
-  labels.set(FramePieces::first_piece);
-  EXPECT_EQ(largest_left_px(frame, labels, &part, models, 0.5), 0);
-  add(5, 5, 4, 100);  // no wider than an outline
-  EXPECT_EQ(largest_left_px(frame, labels, &part, models, 0.5), 0);
-  add(280, 10, 20, 30);
-  add(280, 100, 20, 20);
-  EXPECT_EQ(largest_left_px(frame, labels, &part, models, 0.5), 16 * 26);
-  EXPECT_GT(largest_left_px(frame, labels, nullptr, {}, 0.5), 16 * 26);
-}
-
-TEST(SinksIntoTable, WhatReachesBelowIt) {
-  const PartModel model(shapes::l_bracket());
-  FramePieces frame;
-  frame.camera = {.width = 320, .height = 240, .fx = 500, .fy = 500, .cx = 159.5, .cy = 119.5};
-  const auto lowest_at = [&](double z_mm) {
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.translation() = -model.middle_mm;
-    pose.translation().z() = z_mm - model.box_mm.max().z();
-    return pose;
-  };
-  EXPECT_FALSE(height_above_table_mm(frame, model, lowest_at(500)));
-  EXPECT_FALSE(sinks_into_table(frame, model, lowest_at(500), 0));
-  frame.table = FlatSurface{.q = {0, 0, 1 / 500.0f}};
-  EXPECT_NEAR(height_above_table_mm(frame, model, lowest_at(470)).value(), 30, 1);
-  EXPECT_FALSE(sinks_into_table(frame, model, lowest_at(470), 5));
-  EXPECT_FALSE(sinks_into_table(frame, model, lowest_at(500), 5));
-  EXPECT_TRUE(sinks_into_table(frame, model, lowest_at(530), 5));
 }
 
 }  // namespace

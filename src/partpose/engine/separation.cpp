@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 partpose contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "partpose/engine/clutter_search.hpp"
+#include "partpose/engine/separation.hpp"
 
 #include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/parallel.hpp"
-#include "partpose/descriptor/crh.hpp"
+#include "partpose/engine/anchored_search.hpp"
 #include "partpose/engine/best_together.hpp"
+#include "partpose/engine/part_outline.hpp"
 #include "partpose/engine/verdict.hpp"
 #include "partpose/registration/projective_refinement.hpp"
 
@@ -14,355 +15,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numbers>
-#include <set>
-#include <tuple>
 
 namespace partpose {
 
 namespace {
-
-constexpr int rolls = 24;
-
-/// The surroundings of a place at each turn, for parts of one size.
-struct TurnedWindow {
-  Eigen::Vector3d centre_mm;  ///< camera frame
-  std::array<SceneCells, rolls> cells;
-  std::array<CellSet, rolls> seen;                           ///< where there is a surface
-  std::array<int, rolls> unknown;                            ///< number of cells
-  std::array<int, SmallTemplate::cells + 1> most_explained;  ///< by the number of a model's surface cells, at any turn
-};
-
-/// What is measured around the place: the table counts as background, and what is another part's as so much nearer that
-/// it explains nothing.
-TurnedWindow turned_window(const FramePieces& frame, const FrameObject& rest, const Eigen::Vector3d& centre_mm,
-                           const TemplateScale& scale) {
-  const DepthImage& depth = *frame.depth;
-  const Intrinsics& camera = frame.camera;
-  const Eigen::Matrix3d sight = sight_frame(centre_mm);
-  const Eigen::Vector2d middle_px = camera.project(centre_mm);
-  const double px_per_mm = camera.fx / centre_mm.z();
-  const double reach_px = 1.1 * std::numbers::sqrt2 * DepthTemplate::side / 2 * scale.cell_mm * px_per_mm;
-  const int step = std::max(1, static_cast<int>(scale.cell_mm * px_per_mm / 2));
-  const auto clamped = [](double x, int count) { return std::clamp(static_cast<int>(x), 0, count - 1); };
-  const int u0 = clamped(middle_px.x() - reach_px, depth.width), u1 = clamped(middle_px.x() + reach_px, depth.width);
-  const int v0 = clamped(middle_px.y() - reach_px, depth.height), v1 = clamped(middle_px.y() + reach_px, depth.height);
-  const double nearer_mm = scale.cap * scale.depth_unit_mm;
-  std::vector<Eigen::Vector3f> relative;
-  for (int v = v0; v <= v1; v += step)
-    for (int u = u0; u <= u1; u += step) {
-      const std::size_t p = static_cast<std::size_t>(v) * depth.width + u;
-      const std::uint8_t label = frame.label[p];
-      const float z = depth.z_mm[p];
-      if (label == FramePieces::not_measured) continue;
-      const bool unexplained = rest.labels.test(label);
-      if (!unexplained && is_on_table(frame, static_cast<std::int32_t>(p))) continue;
-      Eigen::Vector3d place = sight * (camera.unproject(u, v, z).cast<double>() - centre_mm);
-      if (!unexplained && label != FramePieces::background) place.z() -= nearer_mm;
-      relative.push_back(place.cast<float>());
-    }
-  TurnedWindow out;
-  out.centre_mm = centre_mm;
-  constexpr int quarter = rolls / 4;
-  std::array<SmallTemplate, rolls> turned;
-  for (int k = 0; k < quarter; ++k) {
-    const double roll_rad = 2 * std::numbers::pi * k / rolls;
-    DepthTemplate cells = make_template(relative, roll_rad, step / px_per_mm, scale);
-    const Eigen::Matrix3d camera_from_cells =
-        sight.transpose() * Eigen::AngleAxisd(-roll_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    for (int i = 0; i < DepthTemplate::cells; ++i) {
-      if (cells.cell[i] != DepthTemplate::background) continue;
-      const double x = (i % DepthTemplate::side + 0.5 - DepthTemplate::side / 2) * scale.cell_mm;
-      const double y = (i / DepthTemplate::side + 0.5 - DepthTemplate::side / 2) * scale.cell_mm;
-      const Eigen::Vector2d pixel = camera.project(centre_mm + camera_from_cells * Eigen::Vector3d(x, y, 0));
-      const int u = static_cast<int>(std::floor(pixel.x() + 0.5)), v = static_cast<int>(std::floor(pixel.y() + 0.5));
-      if (u < 0 || v < 0 || u >= depth.width || v >= depth.height || !(depth.at(u, v) > 0))
-        cells.cell[i] = DepthTemplate::unknown;
-    }
-    turned[k] = halved(cells);
-  }
-  for (int k = quarter; k < rolls; ++k) turned[k] = quarter_turned(turned[k - quarter]);
-  out.most_explained.fill(0);
-  for (int k = 0; k < rolls; ++k) {
-    out.cells[k] = SceneCells(turned[k], scale.cap);
-    out.seen[k] = cells_with_surface(turned[k]);
-    const auto& cells = turned[k].cell;
-    out.unknown[k] = static_cast<int>(std::count(cells.begin(), cells.end(), SmallTemplate::unknown));
-    for (int surface = 0; surface <= SmallTemplate::cells; ++surface)
-      out.most_explained[surface] =
-          std::max(out.most_explained[surface],
-                   most_explained_cells(surface, std::min(surface, std::popcount(out.seen[k])), out.unknown[k]));
-  }
-  return out;
-}
-
-/// Where so many cells of a model with this surface may be explained: a bit for each turn.
-std::uint32_t promising_turns(const TurnedWindow& window, CellSet surface, int least_cells) {
-  const int count = std::popcount(surface);
-  if (window.most_explained[count] < least_cells) return 0;
-  std::uint32_t turns = 0;
-  for (int k = 0; k < rolls; ++k) {
-    const int seen = std::popcount(surface & window.seen[k]);
-    turns |= std::uint32_t{most_explained_cells(count, seen, window.unknown[k]) >= least_cells} << k;
-  }
-  return turns;
-}
-
-/// An anchored view at a turn.
-struct Look {
-  float mm2;  ///< of surface that it explains, less what speaks against it
-  std::int32_t part, anchor;
-  std::int16_t seed;
-  std::int8_t roll;
-
-  bool operator<(const Look& other) const {
-    return std::tuple(-mm2, part, anchor, seed, roll) <
-           std::tuple(-other.mm2, other.part, other.anchor, other.seed, other.roll);
-  }
-};
-
-void keep_best(std::vector<Look>& looks, std::size_t count) {
-  if (looks.size() <= count) return;
-  std::nth_element(looks.begin(), looks.begin() + static_cast<std::ptrdiff_t>(count), looks.end());
-  looks.resize(count);
-}
-
-/// The best `per_part` of each part, and of what is left the best, up to `count`: lest what shows much of a large part
-/// crowds out what shows little of a small one. Changes the order of `of_part`.
-std::vector<Look> best_of_each_part(std::vector<std::vector<Look>>& of_part, std::size_t per_part, std::size_t count) {
-  std::vector<Look> kept, others;
-  for (auto& looks : of_part) {
-    std::sort(looks.begin(), looks.end());
-    const auto first_other = looks.begin() + static_cast<std::ptrdiff_t>(std::min(per_part, looks.size()));
-    kept.insert(kept.end(), looks.begin(), first_other);
-    others.insert(others.end(), first_other, looks.end());
-  }
-  keep_best(others, count > kept.size() ? count - kept.size() : 0);
-  kept.insert(kept.end(), others.begin(), others.end());
-  return kept;
-}
-
-Hypothesis start_of(const Look& look, const PartModel& model, const Eigen::Vector3d& centre_mm) {
-  const AnchoredViews::Anchor& anchor = model.anchored.anchors[look.anchor];
-  const Eigen::AngleAxisd roll_back(-2 * std::numbers::pi * look.roll / rolls, Eigen::Vector3d::UnitZ());
-  Eigen::Isometry3d camera_from_sight = Eigen::Isometry3d::Identity();
-  camera_from_sight.linear() = sight_frame(centre_mm).transpose() * roll_back.toRotationMatrix();
-  camera_from_sight.translation() = centre_mm;
-  Hypothesis h;
-  h.part = look.part;
-  h.view = anchor.view;
-  h.seed = look.seed;
-  h.cost = -look.mm2;
-  h.start = h.camera_from_model = camera_from_sight * anchor.sight_from_model.cast<double>();
-  return h;
-}
-
-/// Mm2 of `rest` that what the view shows of the part explains, less where the part cannot be.
-double explained_mm2(const Hypothesis& h, const PartModel& model, const FramePieces& frame, const FrameObject& rest,
-                     float tolerance_mm) {
-  const DepthImage& depth = *frame.depth;
-  const Intrinsics& camera = frame.camera;
-  const Eigen::Isometry3f camera_from_model = h.camera_from_model.cast<float>();
-  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
-  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
-  const PartView& view = model.views[h.view];
-  float sum = 0;
-  for (const auto& p : view.visible_mm) {
-    const Eigen::Vector3f q = camera_from_model * p;
-    if (!(q.z() > 1)) return -1e9;
-    const int u = static_cast<int>(std::floor(fx * q.x() / q.z() + cx + 0.5f));
-    const int v = static_cast<int>(std::floor(fy * q.y() / q.z() + cy + 0.5f));
-    if (u < 0 || v < 0 || u >= depth.width || v >= depth.height) continue;
-    const std::size_t pixel = static_cast<std::size_t>(v) * depth.width + u;
-    const std::uint8_t label = frame.label[pixel];
-    if (label == FramePieces::not_measured) continue;
-    const float behind_mm = depth.z_mm[pixel] - q.z();  // of what was measured
-    if (rest.labels.test(label)) {
-      const float share = behind_mm / tolerance_mm;
-      sum += std::abs(share) < 1 ? 1 - share * share : share > 1 ? -1.0f : -0.1f;
-    } else if (label == FramePieces::background && is_on_table(frame, static_cast<std::int32_t>(pixel))) {
-      sum -= std::abs(behind_mm) < tolerance_mm ? 0.2f : 1.0f;
-    } else {
-      sum -= behind_mm > tolerance_mm ? 1.0f : behind_mm > -tolerance_mm ? 0.5f : 0.1f;
-    }
-  }
-  return sum / PartView::visible_points * view.seen_mm2;
-}
-
-/// Of each seed the best.
-std::vector<Hypothesis> best_of_each_seed(const std::vector<Hypothesis>& sorted, std::size_t count) {
-  std::map<int, std::size_t> taken;
-  std::vector<Hypothesis> kept;
-  for (const auto& h : sorted)
-    if (taken[h.seed]++ < count) kept.push_back(h);
-  return kept;
-}
-
-void refine_each(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models,
-                 const FramePieces& frame, const FrameObject& rest, const std::vector<Eigen::Vector3f>& points,
-                 double noise_mm, std::size_t probes, double start_share, double end_share, int iterations) {
-  std::stable_sort(hypotheses.begin(), hypotheses.end(), [](const auto& a, const auto& b) { return a.part < b.part; });
-  parallel_for(
-      hypotheses.size(),
-      [&](std::size_t i) {
-        Hypothesis& h = hypotheses[i];
-        const PartModel& model = *models[h.part];
-        const Eigen::Vector3f middle = (h.camera_from_model * model.middle_mm).cast<float>();
-        const auto reach = static_cast<float>(0.55 * model.diameter_mm);
-        std::vector<int> near(points.size());
-        std::size_t count = 0;
-        for (std::size_t p = 0; p < points.size(); ++p) {
-          near[count] = static_cast<int>(p);
-          count += (points[p] - middle).squaredNorm() < reach * reach;
-        }
-        const std::size_t taken = std::min(count, probes);
-        std::vector<Eigen::Vector3f> some(taken);
-        for (std::size_t k = 0; k < taken; ++k) some[k] = points[near[(2 * k + 1) * count / (2 * taken)]];
-        const double end_mm = std::max(end_share * model.diameter_mm, noise_mm);
-        const auto refined = refine_on_field(model.field, h.camera_from_model, ProbePoints(some),
-                                             {.start_scale_mm = std::max(start_share * model.diameter_mm, end_mm),
-                                              .end_scale_mm = end_mm,
-                                              .max_iterations = iterations});
-        h.camera_from_model = refined.camera_from_model;
-        h.cost = -explained_mm2(h, model, frame, rest, static_cast<float>(3 * end_mm));
-      },
-      8);
-  sort_by_cost(hypotheses);
-}
-
-FrameObject all_of(const FramePieces& frame, const std::bitset<256>& labels) {
-  FrameObject out;
-  out.labels = labels;
-  out.u0 = frame.depth->width, out.v0 = frame.depth->height;
-  for (int v = 0; v < frame.depth->height; ++v)
-    for (int u = 0; u < frame.depth->width; ++u) {
-      if (!labels.test(frame.label[static_cast<std::size_t>(v) * frame.depth->width + u])) continue;
-      ++out.pixels;
-      out.u0 = std::min(out.u0, u), out.u1 = std::max(out.u1, u);
-      out.v0 = std::min(out.v0, v), out.v1 = std::max(out.v1, v);
-    }
-  return out;
-}
-
-/// The pixels that the part at its pose covers, about `wanted` of them.
-struct PartWindow {
-  FrameWindow frame;
-  int u0, v0, stride;
-};
-PartWindow window_of(const FramePieces& frame, const FrameObject& rest, const PartModel& model,
-                     const Eigen::Isometry3d& camera_from_model, int wanted, int margin_px) {
-  const Intrinsics& camera = frame.camera;
-  const Eigen::AlignedBox2d box = model.covered(camera, camera_from_model);
-  const auto pixel = [&](double x, int most) { return static_cast<int>(std::clamp<double>(x, 0, most - 1)); };
-  PartWindow out;
-  out.u0 = pixel(box.min().x() - margin_px, camera.width), out.v0 = pixel(box.min().y() - margin_px, camera.height);
-  const int last_u = pixel(box.max().x() + margin_px, camera.width);
-  const int last_v = pixel(box.max().y() + margin_px, camera.height);
-  // A part covers about half of its box.
-  const double covered = 0.5 * (last_u - out.u0 + 1) * (last_v - out.v0 + 1);
-  out.stride = wanted > 0 ? std::max(1, static_cast<int>(std::lround(std::sqrt(covered / wanted)))) : 1;
-  out.frame = window(frame, rest, out.u0, out.v0, last_u, last_v, out.stride);
-  return out;
-}
-
-/// A rendering's surface where it would go on beyond its outline, straight on: as it is at the outline, and as it is
-/// within a rounded or chamfered edge. The inverse depth of a plane is linear in the image.
-struct Beyond {
-  DepthImage depth, within_edge;   ///< 0 where it does not reach
-  std::vector<std::uint8_t> step;  ///< pixels from the outline
-};
-/// `stride`: of the rendering's pixels, in the frame's.
-Beyond beyond_outline(const DepthImage& rendered, int reach_px, int stride) {
-  constexpr int edge_px = 6;
-  // The slope is that between two places some pixels within the outline.
-  const int near_px = std::max(1, 2 / stride), slope_px = std::max(1, 6 / stride);
-  const int within_px = near_px + std::max(1, edge_px / stride);
-  const int width = rendered.width;
-  Beyond out{DepthImage(width, rendered.height), DepthImage(width, rendered.height),
-             std::vector<std::uint8_t>(rendered.z_mm.size(), 0)};
-  std::vector<int> nearest(rendered.z_mm.size(), -1), front, next;
-  for (int p = 0; p < static_cast<int>(nearest.size()); ++p)
-    if (rendered.z_mm[p] > 0) {
-      nearest[p] = p;
-      front.push_back(p);
-    }
-  for (int step = 1; step <= reach_px / stride + 1; ++step, front.swap(next)) {
-    next.clear();
-    for (const int from : front)
-      for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-        const int u = from % width + du, v = from / width + dv;
-        if (u < 0 || v < 0 || u >= width || v >= rendered.height) continue;
-        const int p = v * width + u;
-        if (nearest[p] >= 0) continue;
-        const int edge = nearest[p] = nearest[from];
-        next.push_back(p);
-        const int edge_u = edge % width, edge_v = edge / width;
-        const int across = u - edge_u, down = v - edge_v;
-        const auto distance = static_cast<float>(std::sqrt(double(across * across + down * down)));
-        const auto inverse_within = [&](int px) {
-          const int uu = edge_u + static_cast<int>(std::lround(-px * across / distance));
-          const int vv = edge_v + static_cast<int>(std::lround(-px * down / distance));
-          return uu >= 0 && vv >= 0 && uu < width && vv < rendered.height && rendered.at(uu, vv) > 0
-                     ? 1 / rendered.at(uu, vv)
-                     : 0.0f;
-        };
-        const auto straight_on = [&](int from_px) {
-          const float near = inverse_within(from_px), far = inverse_within(from_px + slope_px);
-          if (!(near > 0) || !(far > 0)) return 0.0f;
-          const float inverse =
-              near + (near - far) * (distance + static_cast<float>(from_px)) / static_cast<float>(slope_px);
-          return inverse > 0 ? 1 / inverse : 0.0f;
-        };
-        out.depth.z_mm[p] = straight_on(near_px);
-        out.within_edge.z_mm[p] = straight_on(within_px);
-        if (out.depth.z_mm[p] > 0) out.step[p] = static_cast<std::uint8_t>(step);
-      }
-  }
-  return out;
-}
-
-/// Of each pixel whether something is rendered within `reach` of it: along the rows, then across them.
-std::vector<std::uint8_t> near_rendered(const DepthImage& rendered, int reach) {
-  const int width = rendered.width, height = rendered.height;
-  std::vector<std::uint8_t> along(rendered.z_mm.size(), 0), near(rendered.z_mm.size(), 0);
-  for (int v = 0; v < height; ++v) {
-    const float* row = &rendered.z_mm[static_cast<std::size_t>(v) * width];
-    std::uint8_t* out = &along[static_cast<std::size_t>(v) * width];
-    for (int shift = -reach; shift <= reach; ++shift)
-      for (int u = std::max(-shift, 0); u < std::min(width - shift, width); ++u) out[u] |= row[u + shift] > 0;
-  }
-  for (int v = 0; v < height; ++v) {
-    std::uint8_t* out = &near[static_cast<std::size_t>(v) * width];
-    for (int from = std::max(v - reach, 0); from <= std::min(v + reach, height - 1); ++from)
-      for (int u = 0; u < width; ++u) out[u] |= along[static_cast<std::size_t>(from) * width + u];
-  }
-  return near;
-}
-
-constexpr int outline_px = 3;
-
-/// The pixels of these labels that the part at its pose explains.
-std::vector<std::size_t> explained_pixels(const PartModel& model, const Eigen::Isometry3d& camera_from_model,
-                                          const FramePieces& frame, const std::bitset<256>& labels, double noise_mm) {
-  FrameObject rest;
-  rest.labels = labels;
-  const PartWindow window = window_of(frame, rest, model, camera_from_model, 0, outline_px + 1);
-  const DepthImage rendered = render_depth(model.surface, camera_from_model, window.frame.camera, model.surface.faces);
-  const auto limit_mm = static_cast<float>(4 * noise_mm);
-  std::vector<std::size_t> out;
-  for (int v = 0; v < rendered.height; ++v)
-    for (int u = 0; u < rendered.width; ++u) {
-      if (window.frame.label[static_cast<std::size_t>(v) * rendered.width + u] != PixelLabel::object) continue;
-      const float z = window.frame.depth.at(u, v);
-      bool explained = false;
-      for (int vv = std::max(v - outline_px, 0); vv <= std::min(v + outline_px, rendered.height - 1); ++vv)
-        for (int uu = std::max(u - outline_px, 0); uu <= std::min(u + outline_px, rendered.width - 1); ++uu)
-          explained |= rendered.at(uu, vv) > 0 && std::abs(rendered.at(uu, vv) - z) < limit_mm;
-      if (explained) out.push_back(static_cast<std::size_t>(window.v0 + v) * frame.depth->width + window.u0 + u);
-    }
-  return out;
-}
 
 /// Finds parts in what is left: some together, then others in what these leave.
 class Separation {
@@ -386,7 +42,7 @@ class Separation {
   /// may lie.
   void take(std::span<const KnownPart> known) {
     constexpr int least_pixels = 60;
-    const FrameObject rest = all_of(frame_, labels_);
+    const FrameObject rest = object_of(frame_, labels_);
     if (known.empty() || rest.pixels == 0) return;
     set_noise(ObjectView(frame_, rest));
     for (const auto& [hypothesis, labels] : known) {
@@ -410,7 +66,7 @@ class Separation {
 
   /// Only those hypotheses that are good.
   std::vector<SeparatedPart> those_of(std::span<const Hypothesis> hypotheses) && {
-    const FrameObject rest = all_of(frame_, labels_);
+    const FrameObject rest = object_of(frame_, labels_);
     set_noise(ObjectView(frame_, rest));
     accept(trials_of(hypotheses, rest), most_no_outline);
     return std::move(*this).sure_parts();
@@ -447,7 +103,7 @@ class Separation {
   /// `density`: of the places that are looked at. Among many starts a wrong one is sooner good.
   bool round(int density) {
     const double no_outline = density > 1 ? most_no_outline_of_many : most_no_outline;
-    const FrameObject rest = all_of(frame_, labels_);
+    const FrameObject rest = object_of(frame_, labels_);
     constexpr int least_pixels = 120;
     constexpr double least_share = 0.05;  // of the square of the diameter: what a slender part shows when half hidden
     if (rest.pixels < least_pixels) return false;
@@ -607,12 +263,12 @@ class Separation {
   void compare(Trial& trial, const FrameObject& rest) const {
     const PartModel& model = *models_[trial.hypothesis.part];
     const Eigen::Isometry3d& pose = trial.hypothesis.camera_from_model;
-    PartWindow window = window_of(frame_, rest, model, pose, wanted_pixels, beyond_px + 1);
+    PartWindow window = part_window(frame_, rest, model, pose, wanted_pixels, beyond_px + 1);
     const int reach = (outline_px + window.stride - 1) / window.stride;
     const int ring = (ring_px + window.stride - 1) / window.stride;
     const DepthImage rendered = render_depth(model.outline, pose, window.frame.camera, model.outline.faces);
     const std::vector<std::uint8_t> is_near = near_rendered(rendered, reach);
-    const Beyond beyond = beyond_outline(rendered, beyond_px, window.stride);
+    const BeyondOutline beyond = beyond_outline(rendered, beyond_px, window.stride);
     const int box_width = rest.u1 - rest.u0 + 1, box_height = rest.v1 - rest.v0 + 1;
     trial.explained_bits.assign((static_cast<std::size_t>(std::max(box_width * box_height, 0)) + 63) / 64, 0);
     trial.conflicts = trial.outline = trial.no_outline = trial.goes_on = trial.covered = 0;
@@ -672,7 +328,7 @@ class Separation {
     constexpr double hopeless = 0.003;  // of those below it none became good
     if (trial.comparison.explained < 0.2 * trial.comparison.model || probability(trial) < hopeless) return;
     const PartModel& model = *models_[trial.hypothesis.part];
-    PartWindow window = window_of(frame_, rest, model, trial.hypothesis.camera_from_model, wanted_pixels, outline_px);
+    PartWindow window = part_window(frame_, rest, model, trial.hypothesis.camera_from_model, wanted_pixels, outline_px);
     for (std::size_t p = 0; p < window.frame.label.size(); ++p)
       if (window.frame.label[p] != PixelLabel::object) window.frame.depth.z_mm[p] = 0;
     const double noise_mm = noise_at(trial.hypothesis);
@@ -760,7 +416,7 @@ class Separation {
     for (const Claim& claim : claims_) {
       const Hypothesis& h = claim.part.hypotheses[0];
       const PartModel& model = *models_[h.part];
-      const PartWindow window = window_of(frame_, rest, model, h.camera_from_model, 0, far_beyond_px + 1);
+      const PartWindow window = part_window(frame_, rest, model, h.camera_from_model, 0, far_beyond_px + 1);
       const DepthImage rendered =
           render_depth(model.surface, h.camera_from_model, window.frame.camera, model.surface.faces);
       const DepthImage beyond = beyond_outline(rendered, far_beyond_px, 1).depth;
@@ -773,7 +429,7 @@ class Separation {
     for (Claim& claim : claims_) {
       std::bitset<256> own;
       own.set(claim.label);
-      claim.part.object = all_of(frame_, own);
+      claim.part.object = object_of(frame_, own);
     }
   }
 
@@ -854,128 +510,6 @@ class Separation {
 };
 
 }  // namespace
-
-std::vector<Hypothesis> anchored_hypotheses(std::span<const PartModel* const> models, const FramePieces& frame,
-                                            const FrameObject& rest, const AnchoredSearch& search) {
-  constexpr int wanted_points = 1500;
-  const ObjectView view(frame, rest);
-  const std::vector<Eigen::Vector3f> points = object_points(frame, rest, wanted_points).points_mm;
-  if (points.size() < 20) return {};
-  const std::vector<int> seeds = spread_places(points, search.most_seeds);
-
-  std::map<double, std::vector<TurnedWindow>> windows;  // by the cells' size
-  for (const PartModel* model : models) {
-    if (!model) continue;
-    auto& of_size = windows[model->scale.cell_mm];
-    if (!of_size.empty()) continue;
-    of_size.resize(seeds.size());
-    parallel_for(seeds.size(), [&](std::size_t s) {
-      of_size[s] = turned_window(frame, rest, local_mean(points, points[seeds[s]], model->scale.cell_mm), model->scale);
-    });
-  }
-
-  constexpr std::size_t kept_per_seed = 40, of_all_parts = 72, most_per_part = 12, least_per_part = 2;
-  const auto parts =
-      static_cast<std::size_t>(std::count_if(models.begin(), models.end(), [](const auto* m) { return m; }));
-  const std::size_t kept_per_part =
-      search.every_part ? std::clamp(of_all_parts / std::max<std::size_t>(parts, 1), least_per_part, most_per_part) : 0;
-  std::vector<std::vector<Look>> of_seed(seeds.size());
-  parallel_for(seeds.size(), [&](std::size_t s) {
-    std::vector<std::vector<Look>> of_part;
-    for (std::size_t part = 0; part < models.size(); ++part) {
-      if (!models[part]) continue;
-      const PartModel& model = *models[part];
-      const auto mm2_per_step = static_cast<float>(4 * model.scale.cell_mm * model.scale.cell_mm / model.scale.cap);
-      const TurnedWindow& window = windows.at(model.scale.cell_mm)[s];
-      std::vector<Look> looks;
-      std::array<std::int16_t, rolls> steps;
-      int least = 1;
-      for (std::size_t a = 0; a < model.anchored.templates.size(); ++a) {
-        const std::uint32_t promising =
-            promising_turns(window, model.anchored.anchors[a].surface, (least + model.scale.cap - 1) / model.scale.cap);
-        if (promising == 0) continue;
-        explained_steps(model.anchored.templates[a], window.cells, promising, model.scale.cap, steps.data());
-        for (int k = 0; k < rolls; ++k)
-          if ((promising >> k & 1) != 0 && steps[k] >= least)
-            looks.push_back({mm2_per_step * static_cast<float>(steps[k]), static_cast<std::int32_t>(part),
-                             static_cast<std::int32_t>(a), static_cast<std::int16_t>(s), static_cast<std::int8_t>(k)});
-        // What is worse than the best so far need not be kept.
-        if (looks.size() < 4 * most_per_part) continue;
-        keep_best(looks, most_per_part);
-        const auto worst = std::max_element(looks.begin(), looks.end());
-        least = static_cast<int>(worst->mm2 / mm2_per_step);
-      }
-      keep_best(looks, most_per_part);
-      of_part.push_back(std::move(looks));
-    }
-    of_seed[s] = best_of_each_part(of_part, kept_per_part, kept_per_seed);
-  });
-
-  std::vector<Hypothesis> hypotheses;
-  for (const auto& looks : of_seed)
-    for (const Look& look : looks) {
-      const PartModel& model = *models[look.part];
-      hypotheses.push_back(start_of(look, model, windows.at(model.scale.cell_mm)[look.seed].centre_mm));
-    }
-  refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 64, 0.06, 0.01, 6);
-  drop_sunk(hypotheses, models, view, 0.12);
-  constexpr std::size_t kept_at_first = 10, kept = 5;
-  hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept_at_first);
-  refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 192, 0.06, 0.01, 8);
-  drop_sunk(hypotheses, models, view, 0.08);
-  hypotheses = best_of_each_seed(distinct(std::move(hypotheses), models), kept);
-  refine_each(hypotheses, models, frame, rest, points, view.noise_mm, 512, 0.02, 0.005, 6);
-  return distinct(std::move(hypotheses), models);
-}
-
-int largest_left_px(const FramePieces& frame, const std::bitset<256>& labels, const Hypothesis* explained,
-                    std::span<const PartModel* const> models, double noise_mm) {
-  const FrameObject object = all_of(frame, labels);
-  const int width = object.u1 - object.u0 + 1, height = object.v1 - object.v0 + 1, frame_width = frame.depth->width;
-  if (object.pixels == 0) return 0;
-  std::vector<std::uint8_t> left(static_cast<std::size_t>(width) * height);
-  for (int v = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u)
-      left[static_cast<std::size_t>(v) * width + u] =
-          labels.test(frame.label[static_cast<std::size_t>(object.v0 + v) * frame_width + object.u0 + u]);
-  if (explained)
-    for (const std::size_t p :
-         explained_pixels(*models[explained->part], explained->camera_from_model, frame, labels, noise_mm))
-      left[(p / frame_width - object.v0) * width + p % frame_width - object.u0] = 0;
-  // Strips along outlines are nothing.
-  constexpr int margin = 2;
-  const auto thinned = [](const std::vector<std::uint8_t>& from, int step, int length) {
-    std::vector<std::uint8_t> out(from.size(), 0);
-    for (std::size_t p = 0; p < from.size(); ++p) {
-      const int at = static_cast<int>(p) / step % length;
-      out[p] = from[p];
-      for (int k = 1; k <= margin && out[p]; ++k)
-        out[p] = at >= k && at + k < length && from[p - k * step] && from[p + k * step];
-    }
-    return out;
-  };
-  left = thinned(thinned(left, 1, width), width, height);
-  int largest = 0;
-  std::vector<std::size_t> open;
-  for (std::size_t start = 0; start < left.size(); ++start) {
-    if (!left[start]) continue;
-    int pixels = 0;
-    open.assign(1, start);
-    left[start] = 0;
-    while (!open.empty()) {
-      const std::size_t p = open.back();
-      open.pop_back();
-      ++pixels;
-      const int u = static_cast<int>(p) % width, v = static_cast<int>(p) / width;
-      const auto visit = [&](bool inside, std::size_t q) {
-        if (inside && left[q]) left[q] = 0, open.push_back(q);
-      };
-      visit(u > 0, p - 1), visit(u + 1 < width, p + 1), visit(v > 0, p - width), visit(v + 1 < height, p + width);
-    }
-    largest = std::max(largest, pixels);
-  }
-  return largest;
-}
 
 std::vector<SeparatedPart> separate(std::span<const PartModel* const> models, FramePieces& frame,
                                     const std::bitset<256>& unexplained, std::span<const KnownPart> known) {
