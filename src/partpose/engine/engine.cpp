@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/engine/engine.hpp"
 
+#include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/error.hpp"
 #include "partpose/core/parallel.hpp"
 #include "partpose/core/pose.hpp"
@@ -921,21 +922,29 @@ void Engine::Impl::describe(Target& target, const std::vector<std::pair<double, 
   detection.covariance = covariance_of(target, target.fit[0], stride);
 
   constexpr double least_share = 0.01;
-  double as_good = share[0];
-  for (std::size_t k = 1; k < share.size(); ++k) {
-    if (share[k] < least_share) continue;
+  std::vector<std::size_t> others;
+  for (std::size_t k = 1; k < share.size(); ++k)
+    if (share[k] >= least_share) others.push_back(k);
+  const auto render = [&](const Candidate& candidate) {
+    const TriangleMesh& surface = models[part_of(candidate)]->surface;
+    return render_depth(surface, candidate.camera_from_model, target.fine.camera);
+  };
+  const DepthImage seen = others.empty() ? DepthImage() : render(best);
+  std::vector<std::uint8_t> symmetric(share.size()), alike(share.size());
+  parallel_for(others.size(), [&](std::size_t i) {
+    const std::size_t k = others[i];
     const Candidate& other = target.candidates[k];
-    const int part = part_of(other);
     const Eigen::Isometry3d model_from_model = best.camera_from_model.inverse() * other.camera_from_model;
     const double tolerance_mm = std::max(0.01 * model.diameter_mm, 1.5 * target.noise_mm);
-    if (part == detection.part && model.is_symmetry(model_from_model, tolerance_mm)) {
-      as_good += share[k];
-      continue;
-    }
-    if (looks_the_same(model.surface, best.camera_from_model, models[part]->surface, other.camera_from_model,
-                       target.fine.camera, sensor(target, stride)))
-      as_good += share[k];
-    detection.alternatives.push_back({part, other.camera_from_model, share[k] * best.score});
+    symmetric[k] = part_of(other) == detection.part && model.is_symmetry(model_from_model, tolerance_mm);
+    alike[k] = symmetric[k] || looks_the_same(seen, render(other), sensor(target, stride));
+  });
+  double as_good = share[0];
+  for (const std::size_t k : others) {
+    const Candidate& other = target.candidates[k];
+    if (alike[k]) as_good += share[k];
+    if (!symmetric[k])
+      detection.alternatives.push_back({part_of(other), other.camera_from_model, share[k] * best.score});
   }
   detection.confidence = best.score * as_good;
 }

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/engine/verdict.hpp"
 
-#include "partpose/camera/rasterizer.hpp"
-
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -104,10 +102,8 @@ std::vector<double> shares(std::span<const double> log_odds) {
   return out;
 }
 
-bool looks_the_same(const TriangleMesh& a, const Eigen::Isometry3d& camera_from_a, const TriangleMesh& b,
-                    const Eigen::Isometry3d& camera_from_b, const Intrinsics& camera, const SensorModel& sensor) {
+bool looks_the_same(const DepthImage& a, const DepthImage& b, const SensorModel& sensor) {
   constexpr double most_differing = 0.01;
-  const DepthImage of_a = render_depth(a, camera_from_a, camera), of_b = render_depth(b, camera_from_b, camera);
   const auto limit_mm = static_cast<float>(3 * sensor.noise_mm);
   const auto found_near = [&](float z_mm, int u, int v, const DepthImage& other) {
     for (int vv = std::max(v - sensor.outline_px, 0); vv <= std::min(v + sensor.outline_px, other.height - 1); ++vv)
@@ -117,16 +113,16 @@ bool looks_the_same(const TriangleMesh& a, const Eigen::Isometry3d& camera_from_
   };
   int seen = 0, differing = 0;
   double squared = 0;
-  for (int v = 0; v < camera.height; ++v)
-    for (int u = 0; u < camera.width; ++u) {
-      const float z_a = of_a.at(u, v), z_b = of_b.at(u, v);
+  for (int v = 0; v < a.height; ++v)
+    for (int u = 0; u < a.width; ++u) {
+      const float z_a = a.at(u, v), z_b = b.at(u, v);
       if (!(z_a > 0) && !(z_b > 0)) continue;
       ++seen;
       if (z_a > 0 && z_b > 0 && std::abs(z_a - z_b) < limit_mm) {
         squared += (z_a - z_b) * (z_a - z_b);
         continue;
       }
-      differing += (z_a > 0 && !found_near(z_a, u, v, of_b)) || (z_b > 0 && !found_near(z_b, u, v, of_a));
+      differing += (z_a > 0 && !found_near(z_a, u, v, b)) || (z_b > 0 && !found_near(z_b, u, v, a));
     }
   return differing <= most_differing * seen && squared <= sensor.noise_mm * sensor.noise_mm * seen;
 }

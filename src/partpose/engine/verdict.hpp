@@ -35,9 +35,8 @@ double probability_of_part(const Explanation& explanation);
 /// Probabilities of poses of which one is right, by their log-odds.
 std::vector<double> shares(std::span<const double> log_odds);
 
-/// Whether what a camera sees of part `a` and of part `b` is the same but for the noise. `frame` says from where.
-bool looks_the_same(const TriangleMesh& a, const Eigen::Isometry3d& camera_from_a, const TriangleMesh& b,
-                    const Eigen::Isometry3d& camera_from_b, const Intrinsics& camera, const SensorModel& sensor);
+/// Whether two renderings are the same to a camera, but for its noise.
+bool looks_the_same(const DepthImage& a, const DepthImage& b, const SensorModel& sensor);
 
 /// What is known of the noise of depths: independent from pixel to pixel, and all of it.
 struct DepthNoise {
