@@ -196,33 +196,27 @@ std::vector<Hypothesis> best_of_each_seed(const std::vector<Hypothesis>& sorted,
 void refine_each(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models,
                  const FramePieces& frame, const FrameObject& rest, const std::vector<Eigen::Vector3f>& points,
                  double noise_mm, std::size_t probes, double start_share, double end_share, int iterations) {
-  std::stable_sort(hypotheses.begin(), hypotheses.end(), [](const auto& a, const auto& b) { return a.part < b.part; });
-  parallel_for(
-      hypotheses.size(),
-      [&](std::size_t i) {
-        Hypothesis& h = hypotheses[i];
-        const PartModel& model = *models[h.part];
-        const Eigen::Vector3f middle = (h.camera_from_model * model.middle_mm).cast<float>();
-        const auto reach = static_cast<float>(0.55 * model.diameter_mm);
-        std::vector<int> near(points.size());
-        std::size_t count = 0;
-        for (std::size_t p = 0; p < points.size(); ++p) {
-          near[count] = static_cast<int>(p);
-          count += (points[p] - middle).squaredNorm() < reach * reach;
-        }
-        const std::size_t taken = std::min(count, probes);
-        std::vector<Eigen::Vector3f> some(taken);
-        for (std::size_t k = 0; k < taken; ++k) some[k] = points[near[(2 * k + 1) * count / (2 * taken)]];
-        const double end_mm = std::max(end_share * model.diameter_mm, noise_mm);
-        const auto refined = refine_on_field(model.field, h.camera_from_model, ProbePoints(some),
-                                             {.start_scale_mm = std::max(start_share * model.diameter_mm, end_mm),
-                                              .end_scale_mm = end_mm,
-                                              .max_iterations = iterations});
-        h.camera_from_model = refined.camera_from_model;
-        h.cost = -explained_mm2(h, model, frame, rest, static_cast<float>(3 * end_mm));
-      },
-      8);
-  sort_by_cost(hypotheses);
+  move_each(hypotheses, [&](Hypothesis& h) {
+    const PartModel& model = *models[h.part];
+    const Eigen::Vector3f middle = (h.camera_from_model * model.middle_mm).cast<float>();
+    const auto reach = static_cast<float>(0.55 * model.diameter_mm);
+    std::vector<int> near(points.size());
+    std::size_t count = 0;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      near[count] = static_cast<int>(p);
+      count += (points[p] - middle).squaredNorm() < reach * reach;
+    }
+    const std::size_t taken = std::min(count, probes);
+    std::vector<Eigen::Vector3f> some(taken);
+    for (std::size_t k = 0; k < taken; ++k) some[k] = points[near[(2 * k + 1) * count / (2 * taken)]];
+    const double end_mm = std::max(end_share * model.diameter_mm, noise_mm);
+    const auto refined = refine_on_field(model.field, h.camera_from_model, ProbePoints(some),
+                                         {.start_scale_mm = std::max(start_share * model.diameter_mm, end_mm),
+                                          .end_scale_mm = end_mm,
+                                          .max_iterations = iterations});
+    h.camera_from_model = refined.camera_from_model;
+    h.cost = -explained_mm2(h, model, frame, rest, static_cast<float>(3 * end_mm));
+  });
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "partpose/camera/rasterizer.hpp"
 #include "partpose/core/error.hpp"
+#include "partpose/core/median.hpp"
 #include "partpose/core/parallel.hpp"
 #include "partpose/core/pose.hpp"
 #include "partpose/engine/anchored_search.hpp"
@@ -95,10 +96,7 @@ double noise_left(const std::vector<Target>& targets) {
     const bool counts = &target == &targets[0] || target.best_score > Target::strong;
     if (counts && std::isfinite(left_mm)) left_per_mm2.push_back(left_mm / (z_mm * z_mm));
   }
-  if (left_per_mm2.empty()) return 0;
-  const auto middle = left_per_mm2.begin() + static_cast<std::ptrdiff_t>(left_per_mm2.size() / 2);
-  std::nth_element(left_per_mm2.begin(), middle, left_per_mm2.end());
-  return *middle;
+  return left_per_mm2.empty() ? 0 : upper_median(std::move(left_per_mm2));
 }
 
 /// A frame no larger than a part may be one: then its pieces are the part's, and nothing else is in it.
@@ -288,9 +286,7 @@ void Engine::Impl::models_changed() {
     model_of.push_back(model.get());
     std::vector<float> seen_mm2;
     for (const auto& view : model->views) seen_mm2.push_back(view.seen_mm2);
-    const auto median = seen_mm2.begin() + static_cast<std::ptrdiff_t>(seen_mm2.size() / 2);
-    std::nth_element(seen_mm2.begin(), median, seen_mm2.end());
-    if (!seen_mm2.empty()) smallest_view_mm2 = std::min<double>(smallest_view_mm2, *median);
+    if (!seen_mm2.empty()) smallest_view_mm2 = std::min<double>(smallest_view_mm2, upper_median(std::move(seen_mm2)));
   }
 }
 

@@ -399,23 +399,24 @@ std::optional<Eigen::Vector3d> upright_of(const Hypothesis& hypothesis, const Ob
 
 void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const ObjectView& view,
             const ProbePoints& probes, int iterations) {
-  // One part's after the other's, so that its field stays in the cache.
+  move_each(hypotheses, [&](Hypothesis& h) {
+    const PartModel& model = *models[h.part];
+    const double end_mm = std::max(0.01 * model.diameter_mm, view.noise_mm);
+    const auto refined = refine_on_field(model.field, h.camera_from_model, probes,
+                                         {.start_scale_mm = std::max(0.06 * model.diameter_mm, end_mm),
+                                          .end_scale_mm = end_mm,
+                                          .max_iterations = iterations,
+                                          .upright = upright_of(h, view)});
+    h.camera_from_model = refined.camera_from_model;
+    h.cost = refined.mean_capped / 3 + reverse_cost(h, model, view, 3 * end_mm);
+  });
+}
+
+void move_each(std::vector<Hypothesis>& hypotheses, const std::function<void(Hypothesis&)>& move) {
   std::stable_sort(hypotheses.begin(), hypotheses.end(), [](const auto& a, const auto& b) { return a.part < b.part; });
+  constexpr std::size_t at_once = 8;
   parallel_for(
-      hypotheses.size(),
-      [&](std::size_t i) {
-        Hypothesis& h = hypotheses[i];
-        const PartModel& model = *models[h.part];
-        const double end_mm = std::max(0.01 * model.diameter_mm, view.noise_mm);
-        const auto refined = refine_on_field(model.field, h.camera_from_model, probes,
-                                             {.start_scale_mm = std::max(0.06 * model.diameter_mm, end_mm),
-                                              .end_scale_mm = end_mm,
-                                              .max_iterations = iterations,
-                                              .upright = upright_of(h, view)});
-        h.camera_from_model = refined.camera_from_model;
-        h.cost = refined.mean_capped / 3 + reverse_cost(h, model, view, 3 * end_mm);
-      },
-      8);
+      hypotheses.size(), [&](std::size_t i) { move(hypotheses[i]); }, at_once);
   sort_by_cost(hypotheses);
 }
 

@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -90,6 +91,10 @@ std::optional<Eigen::Vector3d> upright_of(const Hypothesis& hypothesis, const Ob
 /// by where what its view shows falls in the frame. Best first.
 void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* const> models, const ObjectView& view,
             const ProbePoints& probes, int iterations);
+
+/// Calls `move` for each, on all threads, one part's after the other's so that its field stays in the cache. Best first
+/// by the cost that it gives.
+void move_each(std::vector<Hypothesis>& hypotheses, const std::function<void(Hypothesis&)>& move);
 
 /// Without those that are the same part at about the same pose as a better one. Best first, as given.
 std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const PartModel* const> models);

@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "partpose/engine/object_points.hpp"
 
+#include "partpose/core/median.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace partpose {
 
@@ -87,44 +90,49 @@ ObjectPoints points_of_blocks(const FramePieces& frame, const FrameObject& objec
   return out;
 }
 
+/// Calls `look(u, v)` for the centres of about 150 windows, spread over the object's box, that reach so many pixels to
+/// each side and are within the image.
+template <typename Look>
+void for_some_windows(const FramePieces& frame, const FrameObject& object, int reach, const Look& look) {
+  constexpr int most_windows = 150;
+  const double box_px = static_cast<double>(object.u1 - object.u0 + 1) * (object.v1 - object.v0 + 1);
+  const int step = std::max(1, static_cast<int>(std::sqrt(box_px / most_windows)));
+  for (int v = std::max(object.v0, reach); v <= std::min(object.v1, frame.depth->height - 1 - reach); v += step)
+    for (int u = std::max(object.u0, reach); u <= std::min(object.u1, frame.depth->width - 1 - reach); u += step)
+      look(u, v);
+}
+
 /// Over windows that reach so many pixels to each side.
 double local_noise_mm(const FramePieces& frame, const FrameObject& object, int reach) {
-  constexpr int most_windows = 150;
   const int side = 2 * reach + 1, pixels = side * side;
   // On a regular grid the best plane's slopes are the moments over fixed sums: each row's of k * k from -reach to
   // reach.
   const auto moment = static_cast<float>(side * reach * (reach + 1) * (2 * reach + 1) / 3);
   const DepthImage& depth = *frame.depth;
-  const double box_px = static_cast<double>(object.u1 - object.u0 + 1) * (object.v1 - object.v0 + 1);
-  const int step = std::max(1, static_cast<int>(std::sqrt(box_px / most_windows)));
   std::vector<float> deviation;
-  for (int v = std::max(object.v0, reach); v <= std::min(object.v1, depth.height - 1 - reach); v += step)
-    for (int u = std::max(object.u0, reach); u <= std::min(object.u1, depth.width - 1 - reach); u += step) {
-      const float centre_z = depth.at(u, v);
-      float sum = 0, squared = 0, along_u = 0, along_v = 0;
-      bool full = true;
-      for (int dv = -reach; dv <= reach && full; ++dv)
-        for (int du = -reach; du <= reach; ++du) {
-          const std::size_t p = static_cast<std::size_t>(v + dv) * depth.width + u + du;
-          if (!object.labels.test(frame.label[p]) || !(depth.z_mm[p] > 0)) {
-            full = false;
-            break;
-          }
-          const float z = depth.z_mm[p] - centre_z;
-          sum += z;
-          squared += z * z;
-          along_u += static_cast<float>(du) * z;
-          along_v += static_cast<float>(dv) * z;
+  for_some_windows(frame, object, reach, [&](int u, int v) {
+    const float centre_z = depth.at(u, v);
+    float sum = 0, squared = 0, along_u = 0, along_v = 0;
+    bool full = true;
+    for (int dv = -reach; dv <= reach && full; ++dv)
+      for (int du = -reach; du <= reach; ++du) {
+        const std::size_t p = static_cast<std::size_t>(v + dv) * depth.width + u + du;
+        if (!object.labels.test(frame.label[p]) || !(depth.z_mm[p] > 0)) {
+          full = false;
+          break;
         }
-      if (!full) continue;
-      const float left =
-          squared - sum * sum / static_cast<float>(pixels) - (along_u * along_u + along_v * along_v) / moment;
-      deviation.push_back(std::sqrt(std::max(left, 0.0f) / static_cast<float>(pixels - 3)));
-    }
-  if (deviation.empty()) return 0;
-  const auto middle = deviation.begin() + static_cast<std::ptrdiff_t>(deviation.size() / 2);
-  std::nth_element(deviation.begin(), middle, deviation.end());
-  return *middle;
+        const float z = depth.z_mm[p] - centre_z;
+        sum += z;
+        squared += z * z;
+        along_u += static_cast<float>(du) * z;
+        along_v += static_cast<float>(dv) * z;
+      }
+    if (!full) return;
+    const float left =
+        squared - sum * sum / static_cast<float>(pixels) - (along_u * along_u + along_v * along_v) / moment;
+    deviation.push_back(std::sqrt(std::max(left, 0.0f) / static_cast<float>(pixels - 3)));
+  });
+  return deviation.empty() ? 0 : upper_median(std::move(deviation));
 }
 
 }  // namespace
@@ -149,45 +157,40 @@ double local_noise_mm(const FramePieces& frame, const FrameObject& object) {
 }
 
 std::optional<double> neighbour_correlation(const FramePieces& frame, const FrameObject& object) {
-  constexpr int reach = 3, side = 2 * reach + 1, most_windows = 150;
+  constexpr int reach = 3, side = 2 * reach + 1;
   constexpr float least_noise_mm = 0.01f;
   const DepthImage& depth = *frame.depth;
-  const double box_px = static_cast<double>(object.u1 - object.u0 + 1) * (object.v1 - object.v0 + 1);
-  const int step = std::max(1, static_cast<int>(std::sqrt(box_px / most_windows)));
   std::vector<float> correlation;
-  for (int v = std::max(object.v0, reach); v <= std::min(object.v1, depth.height - 1 - reach); v += step)
-    for (int u = std::max(object.u0, reach); u <= std::min(object.u1, depth.width - 1 - reach); u += step) {
-      std::array<float, side * side> z;
-      float sum = 0, along_u = 0, along_v = 0;
-      bool full = true;
-      for (int i = 0; i < side * side && full; ++i) {
-        const int du = i % side - reach, dv = i / side - reach;
-        const std::size_t p = static_cast<std::size_t>(v + dv) * depth.width + u + du;
-        full = object.labels.test(frame.label[p]) && depth.z_mm[p] > 0;
-        z[i] = depth.z_mm[p] - depth.at(u, v);
-        sum += z[i];
-        along_u += static_cast<float>(du) * z[i];
-        along_v += static_cast<float>(dv) * z[i];
-      }
-      if (!full) continue;
-      constexpr float moment = side * 2 * (9 + 4 + 1);
-      float squared = 0, products = 0;
-      for (int i = 0; i < side * side; ++i)
-        z[i] -=
-            sum / (side * side) +
-            (static_cast<float>(i % side - reach) * along_u + static_cast<float>(i / side - reach) * along_v) / moment;
-      for (int i = 0; i < side * side; ++i) {
-        squared += z[i] * z[i];
-        if (i % side + 1 < side) products += z[i] * z[i + 1];
-        if (i + side < side * side) products += z[i] * z[i + side];
-      }
-      const bool noisy = squared > side * side * least_noise_mm * least_noise_mm;
-      correlation.push_back(noisy ? products / (2 * side * (side - 1)) / (squared / (side * side)) : 0);
+  for_some_windows(frame, object, reach, [&](int u, int v) {
+    std::array<float, side * side> z;
+    float sum = 0, along_u = 0, along_v = 0;
+    bool full = true;
+    for (int i = 0; i < side * side && full; ++i) {
+      const int du = i % side - reach, dv = i / side - reach;
+      const std::size_t p = static_cast<std::size_t>(v + dv) * depth.width + u + du;
+      full = object.labels.test(frame.label[p]) && depth.z_mm[p] > 0;
+      z[i] = depth.z_mm[p] - depth.at(u, v);
+      sum += z[i];
+      along_u += static_cast<float>(du) * z[i];
+      along_v += static_cast<float>(dv) * z[i];
     }
+    if (!full) return;
+    constexpr float moment = side * 2 * (9 + 4 + 1);
+    float squared = 0, products = 0;
+    for (int i = 0; i < side * side; ++i)
+      z[i] -=
+          sum / (side * side) +
+          (static_cast<float>(i % side - reach) * along_u + static_cast<float>(i / side - reach) * along_v) / moment;
+    for (int i = 0; i < side * side; ++i) {
+      squared += z[i] * z[i];
+      if (i % side + 1 < side) products += z[i] * z[i + 1];
+      if (i + side < side * side) products += z[i] * z[i + side];
+    }
+    const bool noisy = squared > side * side * least_noise_mm * least_noise_mm;
+    correlation.push_back(noisy ? products / (2 * side * (side - 1)) / (squared / (side * side)) : 0);
+  });
   if (correlation.size() < 3) return std::nullopt;
-  const auto middle = correlation.begin() + static_cast<std::ptrdiff_t>(correlation.size() / 2);
-  std::nth_element(correlation.begin(), middle, correlation.end());
-  return *middle;
+  return upper_median(std::move(correlation));
 }
 
 }  // namespace partpose
