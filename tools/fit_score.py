@@ -6,7 +6,7 @@
 Recognizes tuning frames with and without the part in the catalogue, everything accepted, and fits a logistic regression
 of whether a detection names the right part on what its explanation says. No part and seed of bench/engine is among
 them, but for the real captures. Prints the constants, and what an acceptance at 0.5 gives, each part's frames judged by
-constants fitted to the other parts'. 10 to 15 minutes; goes on where it was stopped.
+constants fitted to the other parts'. 15 to 20 minutes; goes on where it was stopped.
 
   tools/fit_score.py OUT --data ../shared/data --made OUT/parts      # OUT/parts: tools/make_many_parts.py OUT/parts --sets
 """
@@ -34,21 +34,53 @@ PUBLIC = {   # three sets of public parts by name, then the same mixed
 }
 SHIPPED = "pump_body bracket link keyed_shaft housing flange"
 ALIKE = "mount_left mount_right elbow_100 elbow_130 plain_shaft flange"
+UNKNOWN = 0.6   # in use so many parts are unknown for each that is known
+
+
+def log_disagreement(e):
+    return math.log(1.02 - e["agreement"])
+
+
+def log_few(e):
+    return math.log(min(max(e["explained_pixels"], 30) / 2000, 1))
+
+
+def log_noise(e):
+    return math.log(max(e["noise"], 0.008))
+
+
+def log_local(e):
+    return math.log(min(max(e["local_noise"], 0.05), 1))
+
+
+def log_relief(e):
+    return math.log(max(e["relief"], 0.5))
+
+
+def log_larger(e):
+    return math.log(min(max(e["size_ratio"], 1), 3))
+
 
 # Each constant's factor, as in probability_of_part.
 FEATURES = {
     "1": lambda e: 1.0,
-    "log(1.02 - agreement)": lambda e: math.log(1.02 - e["agreement"]),
+    "log_disagreement": log_disagreement,
     "deviation": lambda e: e["deviation"],
     "log(clamp(roughness, 0.2, 3))": lambda e: math.log(min(max(e["roughness"], 0.2), 3)),
     "sqrt(unexplained)": lambda e: math.sqrt(e["unexplained"]),
-    "min(free_space, 0.1) * log(1.02 - agreement)":
-        lambda e: min(e["free_space"], 0.1) * math.log(1.02 - e["agreement"]),
+    "min(free_space, 0.1) * log_disagreement": lambda e: min(e["free_space"], 0.1) * log_disagreement(e),
     "not_measured": lambda e: e["not_measured"],
-    "beside * log(min(max(explained_pixels, 30) / 2000, 1))":
-        lambda e: e["beside"] * math.log(min(max(e["explained_pixels"], 30) / 2000, 1)),
-    "log(max(noise, 0.008))": lambda e: math.log(max(e["noise"], 0.008)),
-    "log(max(relief, 0.5))": lambda e: math.log(max(e["relief"], 0.5)),
+    "log_noise": log_noise,
+    "log_relief": log_relief,
+    "edges * log_local": lambda e: e["edges"] * log_local(e),
+    "edges * log_few": lambda e: e["edges"] * log_few(e),
+    "log_larger * log_relief": lambda e: log_larger(e) * log_relief(e),
+    "fine_shape": lambda e: e["fine_shape"],
+    "fine_gain * log_noise": lambda e: e["fine_gain"] * log_noise(e),
+    "log(narrower + 0.003)": lambda e: math.log(e["narrower"] + 0.003),
+    "min(not_measured, 0.3) * log_relief": lambda e: min(e["not_measured"], 0.3) * log_relief(e),
+    "min(noise, 0.15) * log_local": lambda e: min(e["noise"], 0.15) * log_local(e),
+    "beside * log_few": lambda e: e["beside"] * log_few(e),
 }
 
 
@@ -77,14 +109,17 @@ def experiments(output, data, made):
     found = {"shipped": (shipped(SHIPPED), stereo(201, 96), 1), "alike": (shipped(ALIKE), stereo(202, 96), 1)}
     for i, (key, names) in enumerate(PUBLIC.items()):
         found[f"public_{key}"] = (public(names), stereo(203 + i, 72), 1)
-    found["sheet"] = ([str(made / "sheet_tuning")], stereo(230, 96), 1)
+    for i, name in enumerate(("sheet_tuning", "sheet_tuning_2", "sheet_tuning_3", "hard_tuning_1", "hard_tuning_2",
+                              "hard_tuning_3", "six_tuning_1", "six_tuning_2", "six_tuning_3")):
+        found[name] = ([str(made / name)], stereo(230 + i, 96), 1)
     for share in (0.2, 0.4):
         for i, parts in enumerate((shipped(SHIPPED), public(PUBLIC["d"]), public(PUBLIC["a"]), public(PUBLIC["c"]))):
             found[f"hidden_{share}_{i}"] = (
                 parts, stereo(210 + int(10 * share) + i, 72, hidden_fraction=[share - 0.02, share + 0.02]), 1)
     found["thirty"] = ([str(made / "thirty_tuning")], stereo(220, 96), 1)
     found["virtual"] = (shipped(SHIPPED), virtual, 1)
-    found["virtual_b"] = (public(PUBLIC["b"]), virtual, 1)
+    for key in "abce":
+        found[f"virtual_{key}"] = (public(PUBLIC[key]), virtual, 1)
     touching = [{"name": "touching", "scenes": str(ROOT / "experiments/scenes_engine_touching_tuning.json"), "frames": 64}]
     found["touching"] = (shipped(SHIPPED), touching, 1)
     found["touching_b"] = (public(PUBLIC["b"]), touching, 1)
@@ -109,13 +144,13 @@ def run(output, name, parts, protocols, partpose):
 
 
 def detections(folder):
-    """(explanation, names the right part, part shown)"""
+    """(explanation, names the right part, part shown, whether it is left out of the catalogue)"""
     for line in (folder / "frames.jsonl").read_text().splitlines():
         record = json.loads(line)
         truth = record["evaluation"]["ground_truth_model_name"] or f"{folder.name} {record['frame']}"
         for found in (record["objects"] or {"detections": []})["detections"]:
             if found.get("explanation") and found["explanation"]["explained_pixels"] > 0:
-                yield found["explanation"], found["part_right"] or found["right"], truth
+                yield found["explanation"], found["part_right"] or found["right"], truth, record["left_out"]
 
 
 def probability(x, offset, constants):
@@ -147,8 +182,9 @@ def main():
     rows = []   # features, right, weight, given, experiment, part shown
     for name, (parts, protocols, weight) in experiments(output, arguments.data.resolve(), arguments.made.resolve()).items():
         run(output, name, parts, protocols, arguments.partpose)
-        for explanation, right, truth in detections(output / name):
-            rows.append(([f(explanation) for f in FEATURES.values()], right, weight, given(explanation), name, truth))
+        for explanation, right, truth, left_out in detections(output / name):
+            rows.append(([f(explanation) for f in FEATURES.values()], right, weight * (UNKNOWN if left_out else 1),
+                         given(explanation), name, truth))
     x, y, weight, offset = (np.array([row[i] for row in rows], float) for i in range(4))
 
     held_out = np.zeros(len(y))

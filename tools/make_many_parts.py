@@ -372,10 +372,13 @@ def hard(seed):
 
 SETS = {   # folder: how its parts are made
     "thirty_tuning": lambda: many(30, 3),
+    **{f"six_tuning_{i}": lambda seed=20 + i: many(6, seed) for i in (1, 2, 3)},
     "thousand_tuning": lambda: many(1000, 1),
     "thousand": lambda: many(1000, 2),
     "hard": lambda: hard(2),
+    **{f"hard_tuning_{i}": lambda seed=3 + 2 * i: hard(seed) for i in (1, 2, 3)},
     "sheet_tuning": lambda: many(6, 1, [sheet]),
+    **{f"sheet_tuning_{i}": lambda seed=1 + i: many(6, seed, [sheet]) for i in (2, 3)},
     "sheet": lambda: many(6, 2, [sheet]),
 }
 

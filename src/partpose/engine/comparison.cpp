@@ -105,35 +105,94 @@ class BoxSums {
   std::vector<float> sum_;
 };
 
-/// Sum of the squares of `deviation`, in standard deviations, from the mean within `reach` of each, each at most nine.
-/// Infinite ones are none; where there are few about a pixel, nothing is known of their mean.
+/// Values of an image as they differ from their mean within some pixels. Infinite ones are none.
+class LocalMeans {
+ public:
+  /// For images that have the same pixels as this one. Nothing is known where fewer than `least_share` of those within
+  /// `reach` are any.
+  LocalMeans(const std::vector<float>& like, int width, int height, int reach, float least_share)
+      : width_(width), height_(height), reach_(reach), counts_(width, height) {
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u) counts_.add(u, v, like[index(u, v)] < nowhere_mm ? 1.0f : 0.0f);
+    least_ = least_share * static_cast<float>((2 * reach + 1) * (2 * reach + 1));
+  }
+  std::vector<float> differences(const std::vector<float>& values) const {
+    BoxSums sums(width_, height_);
+    for (int v = 0; v < height_; ++v)
+      for (int u = 0; u < width_; ++u) {
+        const float value = values[index(u, v)];
+        sums.add(u, v, value < nowhere_mm ? value : 0);
+      }
+    std::vector<float> out(values.size(), nowhere_mm);
+    for (int v = 0; v < height_; ++v)
+      for (int u = 0; u < width_; ++u) {
+        const float value = values[index(u, v)];
+        if (!(value < nowhere_mm)) continue;
+        const int u0 = std::max(u - reach_, 0), u1 = std::min(u + reach_ + 1, width_);
+        const int v0 = std::max(v - reach_, 0), v1 = std::min(v + reach_ + 1, height_);
+        const float count = counts_(u0, v0, u1, v1);
+        if (count >= least_) out[index(u, v)] = value - sums(u0, v0, u1, v1) / count;
+      }
+    return out;
+  }
+
+ private:
+  std::size_t index(int u, int v) const { return static_cast<std::size_t>(v) * width_ + u; }
+
+  int width_, height_, reach_;
+  float least_;
+  BoxSums counts_;
+};
+
+/// Sum of the squares of deviations from their mean within `reach`, each at most nine.
 double local_deviations(const std::vector<float>& deviation, int width, int height, int reach) {
   constexpr float least_share = 0.1f, most = 9;
-  BoxSums sums(width, height), counts(width, height);
-  for (int v = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u) {
-      const float value = deviation[static_cast<std::size_t>(v) * width + u];
-      const bool known = value < nowhere_mm;
-      sums.add(u, v, known ? value : 0);
-      counts.add(u, v, known ? 1.0f : 0.0f);
-    }
-  const float least = least_share * static_cast<float>((2 * reach + 1) * (2 * reach + 1));
   double sum = 0;
-  for (int v = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u) {
-      const float value = deviation[static_cast<std::size_t>(v) * width + u];
-      if (!(value < nowhere_mm)) continue;
-      const int u0 = std::max(u - reach, 0), u1 = std::min(u + reach + 1, width);
-      const int v0 = std::max(v - reach, 0), v1 = std::min(v + reach + 1, height);
-      const float count = counts(u0, v0, u1, v1);
-      if (count < least) continue;
-      const float local = value - sums(u0, v0, u1, v1) / count;
-      sum += std::min(local * local, most);
-    }
+  for (const float local : LocalMeans(deviation, width, height, reach, least_share).differences(deviation))
+    if (local < nowhere_mm) sum += std::min(local * local, most);
   return sum;
 }
 
+/// Of depths in standard deviations of the noise, infinite where they are not of both.
+FineShape fine_shape_of(const std::vector<float>& measured, const std::vector<float>& part, int width, int height,
+                        int reach) {
+  constexpr float least_share = 0.6f;
+  const LocalMeans means(measured, width, height, reach, least_share);
+  const std::vector<float> of_measured = means.differences(measured), of_part = means.differences(part);
+  FineShape out;
+  for (std::size_t p = 0; p < of_part.size(); ++p) {
+    if (!(of_part[p] < nowhere_mm)) continue;
+    ++out.pixels;
+    out.measured += of_measured[p] * of_measured[p];
+    out.part += of_part[p] * of_part[p];
+    out.common += of_measured[p] * of_part[p];
+  }
+  return out;
+}
+
+/// Pixels of the box of this size at (u0, v0) whose depth and that of the right or lower neighbour differ so much.
+std::vector<std::uint8_t> jumps_of(const PaddedDepth& depth, int u0, int v0, int width, int height, float least_mm) {
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(width) * height);
+  const auto jump = [&](float a, float b) { return a < nowhere_mm && b < nowhere_mm && std::abs(a - b) > least_mm; };
+  for (int v = 0; v < height; ++v) {
+    const float *row = depth.row(v0 + v) + u0, *below = depth.row(v0 + v + 1) + u0;
+    for (int u = 0; u < width; ++u)
+      out[static_cast<std::size_t>(v) * width + u] = jump(row[u], row[u + 1]) || jump(row[u], below[u]);
+  }
+  return out;
+}
+
 }  // namespace
+
+double FineShape::correlation() const {
+  const double most = std::sqrt(measured * part);
+  return most > 0 ? common / most : 0;
+}
+
+double FineShape::gain() const {
+  constexpr double no_shape = 0.1;  // of a pixel
+  return pixels > 0 ? std::clamp(common / (part + no_shape * pixels), -1.0, 1.5) : 0;
+}
 
 PaddedDepth::PaddedDepth(int width, int height, int reach)
     : reach_(reach),
@@ -192,6 +251,29 @@ DepthComparer::DepthComparer(const FrameWindow& frame, const SensorModel& sensor
   }
 }
 
+void DepthComparer::count_jumps(const PaddedDepth& part, int u0, int v0, int width, int height,
+                                DepthComparison& out) const {
+  constexpr double share = 0.6;  // of what is an edge
+  const auto least_mm = static_cast<float>(share * sensor_.edge_mm);
+  const int reach = std::max(sensor_.outline_px, 1);
+  const auto of_object = jumps_of(object_, u0, v0, width, height, least_mm);
+  const auto of_part = jumps_of(part, 0, 0, width, height, least_mm);
+  const auto any_near = [&](const std::vector<std::uint8_t>& jumps, int u, int v) {
+    for (int vv = std::max(v - reach, 0); vv <= std::min(v + reach, height - 1); ++vv)
+      for (int uu = std::max(u - reach, 0); uu <= std::min(u + reach, width - 1); ++uu)
+        if (jumps[static_cast<std::size_t>(vv) * width + uu]) return true;
+    return false;
+  };
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) {
+      const std::size_t p = static_cast<std::size_t>(v) * width + u;
+      if ((!of_object[p] && !of_part[p]) || !(part.row(v)[u] < nowhere_mm && object_.row(v0 + v)[u0 + u] < nowhere_mm))
+        continue;
+      out.jumps += of_object[p] + of_part[p];
+      out.common_jumps += (of_object[p] && any_near(of_part, u, v)) + (of_part[p] && any_near(of_object, u, v));
+    }
+}
+
 DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen::Isometry3d& camera_from_model,
                                           const Eigen::AlignedBox2d& covered, Faces faces) const {
   const SensorModel& sensor = sensor_;
@@ -245,7 +327,10 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
   const std::vector<Beside> beside = beside_part(rendered, std::min(reach, Outline::most));
 
   constexpr float most_deviations = 6;
-  std::vector<float> deviation(sensor.waves_px > 0 ? rendered.z_mm.size() : 0, nowhere_mm);
+  const bool closer = sensor.waves_px > 0;
+  std::vector<float> deviation(closer ? rendered.z_mm.size() : 0, nowhere_mm);
+  std::vector<float> measured_shape = deviation, part_shape = deviation;
+  float reference_mm = nowhere_mm;  // of the shapes, so that their numbers are small
   double log_likelihood = 0, soft = 0, judged = 0, near_deviations = 0;
   for (int v = 0; v < camera.height; ++v) {
     const float* part_row = part.row(v);
@@ -269,7 +354,13 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
           const float off = (object_z - model_z) / noise_mm;
           ++out.near;
           near_deviations += off * off;
-          if (sensor.waves_px > 0) deviation[static_cast<std::size_t>(v) * camera.width + u] = off;
+          if (closer) {
+            const std::size_t p = static_cast<std::size_t>(v) * camera.width + u;
+            deviation[p] = off;
+            if (reference_mm == nowhere_mm) reference_mm = model_z;
+            measured_shape[p] = (object_z - reference_mm) / noise_mm;
+            part_shape[p] = (model_z - reference_mm) / noise_mm;
+          }
         }
         log_likelihood +=
             log_match + (sure ? log_density(here) : std::max(log_density(here), log_edge + log_density(near)));
@@ -288,6 +379,7 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
           log_likelihood += std::clamp(gain, log_outlier, 3.0f);
         } else if (std::isfinite(near) && !(measured && hides(model_z, p))) {
           ++out.model_outline;
+          out.narrower += measured;
           out.explained += near < 3 * noise_mm;
           soft += outline_weight * agreement(near);
           judged += outline_weight;
@@ -332,9 +424,14 @@ DepthComparison DepthComparer::operator()(const TriangleMesh& mesh, const Eigen:
   out.soft = soft;
   out.judged = judged;
   out.near_deviations = near_deviations;
-  if (sensor.waves_px > 0)
-    out.local_deviations = local_deviations(deviation, camera.width, camera.height,
-                                            std::max(1, static_cast<int>(std::lround(sensor.waves_px))));
+  if (closer) {
+    const auto pixels = [](double px) { return std::max(1, static_cast<int>(std::lround(px))); };
+    constexpr double fine = 0.375;  // of the waves
+    out.local_deviations = local_deviations(deviation, camera.width, camera.height, pixels(sensor.waves_px));
+    out.fine_shape =
+        fine_shape_of(measured_shape, part_shape, camera.width, camera.height, pixels(fine * sensor.waves_px));
+    count_jumps(part, u0, v0, camera.width, camera.height, out);
+  }
   out.log_likelihood = log_likelihood;
   out.best_log_likelihood = out.object * (log_match + log_density(0));
   return out;

@@ -38,6 +38,17 @@ struct FrameWindow : LabelledDepth {
   static constexpr float not_table_mm = 1e6f;  ///< of a pixel that belongs to an object
 };
 
+/// Fine shape: what depths differ by from their mean within some pixels. Sums over the pixels that a part explains, in
+/// squared deviations of the noise.
+struct FineShape {
+  int pixels = 0;
+  double measured = 0, part = 0, common = 0;  ///< of the one, of the other, of their product
+
+  double correlation() const;
+  /// So much of the part's fine shape is measured, 1: all. Shape that is far finer than the noise is none.
+  double gain() const;
+};
+
 /// A rendering against a frame, pixel by pixel, in both directions. Next to an outline (`SensorModel::outline_px`) a
 /// camera may add to an object and take from it: such pixels say little.
 struct DepthComparison {
@@ -48,6 +59,7 @@ struct DepthComparison {
   int hidden = 0;                  ///< of them: behind something else that was measured
   int nothing = 0;                 ///< of them: nothing was measured
   int model_outline = 0;           ///< of them: not the object's, but next to it
+  int narrower = 0;                ///< of those: something else is measured there
   int object = 0;                  ///< pixels of the object
   int unexplained = 0;             ///< of them: no part is rendered there within three deviations, nor at a neighbour
   int object_outline = 0;          ///< of them: not the part's, but next to it
@@ -55,11 +67,16 @@ struct DepthComparison {
   double near_deviations = 0;      ///< sum of their squares, in deviations
   double local_deviations = 0;     ///< sum of squares over the pixels that are explained at once, each at most nine:
                                    ///< from the mean within `waves_px`, in which a camera's slow waves are
+  FineShape fine_shape;            ///< only with `waves_px`
+  int jumps = 0;                   ///< pixels of both beside a jump in depth of one of them, only with `waves_px`
+  int common_jumps = 0;            ///< of them: the other has one there too
   double log_likelihood = 0;       ///< sum over the pixels; 0: what a surface of unknown shape would have
   double best_log_likelihood = 0;  ///< of a rendering that meets every object pixel exactly
   double soft = 0;                 ///< sum of the agreement of both directions, each pixel 0 to 1
   double judged = 0;               ///< the most that this could be; what is hidden is not judged
 
+  /// Pixels where the part shows, as far as anything was measured.
+  int shown() const { return model - hidden - nothing - below_table; }
   double score() const { return judged > 0 ? soft / judged : 0; }  ///< 1: the two explain each other wholly
 };
 
@@ -96,6 +113,8 @@ class DepthComparer {
   float log_density(float difference_mm) const {
     return log_density_[static_cast<int>(std::min(difference_mm * steps_per_mm_, static_cast<float>(entries)))];
   }
+  /// In the box of this size at (u0, v0), `part` being seen there.
+  void count_jumps(const PaddedDepth& part, int u0, int v0, int width, int height, DepthComparison& out) const;
   static constexpr int steps = 32, entries = 6 * steps;  // beyond six deviations it is an outlier
 
   const FrameWindow& frame_;

@@ -37,6 +37,24 @@ class Comparison : public testing::Test {
     moved.translation() += Eigen::Vector3d(x, 0, z);
     return compare_depth(mesh, moved, frame, {.noise_mm = 0.5});
   }
+  /// The box with a ridge along the middle of its face, 3 mm wide.
+  TriangleMesh ridged(float height_mm) const {
+    TriangleMesh out = mesh;
+    const TriangleMesh ridge = shapes::box(Eigen::Vector3f(60, 3, height_mm));
+    const int before = static_cast<int>(mesh.vertices.size());
+    for (const auto& corner : ridge.vertices)
+      out.vertices.push_back(corner - Eigen::Vector3f(0, 0, 10 + 0.5f * height_mm));
+    for (const auto& [a, b, c] : ridge.triangles) out.triangles.push_back({a + before, b + before, c + before});
+    return out;
+  }
+  /// What the camera sees of `shown` where the box lies, compared with the mesh.
+  DepthComparison closer_look(const TriangleMesh& shown, const TriangleMesh& compared) const {
+    FrameWindow measured = frame;
+    const DepthImage depth = render(shown, pose, frame.camera).depth;
+    for (std::size_t p = 0; p < depth.z_mm.size(); ++p)
+      if (depth.z_mm[p] > 0) measured.depth.z_mm[p] = depth.z_mm[p];
+    return compare_depth(compared, pose, measured, {.noise_mm = 0.5, .waves_px = 8, .edge_mm = 5});
+  }
   TriangleMesh mesh = shapes::box(Eigen::Vector3f(60, 40, 20));
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   FrameWindow frame;
@@ -75,13 +93,46 @@ TEST_F(Comparison, SlowWavesAreNoLocalDeviations) {
   EXPECT_GT(quick.local_deviations, 0.4 * quick.object);
 }
 
+TEST_F(Comparison, FineShapeTellsARidgeFromNone) {
+  const TriangleMesh with_ridge = ridged(1);
+  const FineShape both = closer_look(with_ridge, with_ridge).fine_shape;
+  EXPECT_GT(both.pixels, 1000);
+  EXPECT_NEAR(both.correlation(), 1, 1e-3);
+  EXPECT_GT(both.gain(), 0.5);
+  EXPECT_LT(both.gain(), 1);
+  const FineShape only_part = closer_look(mesh, with_ridge).fine_shape;
+  EXPECT_LT(only_part.correlation(), 0.2);
+  EXPECT_LT(only_part.gain(), 0.1);
+  EXPECT_LT(closer_look(with_ridge, mesh).fine_shape.correlation(), 0.2);
+  EXPECT_EQ(FineShape().correlation(), 0);
+  EXPECT_EQ(FineShape().gain(), 0);
+}
+
+TEST_F(Comparison, CountsJumpsInDepthThatBothHave) {
+  const TriangleMesh with_ridge = ridged(8);
+  const DepthComparison both = closer_look(with_ridge, with_ridge);
+  EXPECT_GT(both.jumps, 200);  // both sides of 60 mm, at about a pixel a millimetre, in either
+  EXPECT_EQ(both.common_jumps, both.jumps);
+  const DepthComparison only_part = closer_look(mesh, with_ridge), only_object = closer_look(with_ridge, mesh);
+  for (const auto& one : {only_part, only_object}) {
+    EXPECT_NEAR(one.jumps, both.jumps / 2, 0.1 * both.jumps);
+    EXPECT_EQ(one.common_jumps, 0);
+  }
+  EXPECT_EQ(closer_look(ridged(2), with_ridge).common_jumps, 0);                                // too low for an edge
+  EXPECT_EQ(compare_depth(with_ridge, pose, frame, {.noise_mm = 0.5, .edge_mm = 5}).jumps, 0);  // not asked
+}
+
+TEST_F(Comparison, CountsWhereThePartIsWiderThanTheObject) {
+  EXPECT_EQ(at(0, 0).narrower, 0);
+  const DepthComparison wider = compare_depth(shapes::box(Eigen::Vector3f(62, 42, 20)), pose, frame, {.noise_mm = 0.5});
+  EXPECT_GT(wider.narrower, 100);
+  EXPECT_EQ(wider.narrower, wider.model_outline);
+  EXPECT_EQ(wider.shown(), wider.model);
+}
+
 TEST_F(Comparison, AMatchedWindowAveragesSurfaces) {
-  // A ridge 2 mm high and 3 mm wide, seen 3 pixels wide: a window of 7 x 7 pixels makes 0.9 mm of it.
-  TriangleMesh with_ridge = mesh;
-  const TriangleMesh ridge = shapes::box(Eigen::Vector3f(60, 3, 2));
-  const int before = static_cast<int>(mesh.vertices.size());
-  for (const auto& corner : ridge.vertices) with_ridge.vertices.push_back(corner - Eigen::Vector3f(0, 0, 11));
-  for (const auto& [a, b, c] : ridge.triangles) with_ridge.triangles.push_back({a + before, b + before, c + before});
+  // Of a ridge 3 mm wide, seen 3 pixels wide, a window of 7 x 7 pixels makes 0.9 of its 2 mm.
+  const TriangleMesh with_ridge = ridged(2);
   const DepthImage seen = render(with_ridge, pose, frame.camera).depth;
   for (int v = 3; v + 3 < seen.height; ++v)
     for (int u = 0; u < seen.width; ++u) {

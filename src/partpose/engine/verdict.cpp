@@ -56,7 +56,14 @@ Explanation explanation_of(const DepthComparison& c, const PartInFrame& part) {
   out.free_space = share(c.free_space + c.below_table, visible);
   out.not_measured = share(c.nothing, visible);
   out.beside = share(c.model_outline, visible);
+  out.narrower = share(c.narrower, visible);
+  out.size_ratio = share(c.shown(), c.object);
+  constexpr int few_jumps = 5;  // of noise
+  out.edges = share(c.common_jumps, c.jumps + few_jumps);
+  out.fine_shape = c.fine_shape.correlation();
+  out.fine_gain = c.fine_shape.gain();
   out.noise = part.noise_mm / std::max(part.extent_mm, 1.0);
+  out.local_noise = part.local_noise_mm / part.noise_mm;
   out.relief = part.relief_mm / part.noise_mm;
   out.height = height_of(part);
   out.height_deviations = out.height * part.diameter_mm / part.noise_mm;
@@ -71,11 +78,21 @@ double probability_of_part(const Explanation& e) {
   const double roughness = std::clamp(e.roughness, 0.2, 3.0);
   // Cameras move outlines: of few pixels that says more, of many only where it is more than any camera does.
   const double log_few = std::log(std::clamp(e.explained_pixels / many_pixels, least_pixels / many_pixels, 1.0));
-  const double beside_log_odds = 6.77 * e.beside * log_few - 30 * std::max(e.beside - most_beside, 0.0);
-  const double logit = -1.88 - 0.97 * log_disagreement - 2.12 * e.deviation - 2.09 * std::log(roughness) -
-                       12.95 * std::sqrt(e.unexplained) + 43.34 * std::min(e.free_space, 0.1) * log_disagreement -
-                       19.51 * e.not_measured - 1.66 * std::log(std::max(e.noise, least_noise)) +
-                       1.13 * std::log(std::max(e.relief, least_relief)) + beside_log_odds + height_log_odds(e);
+  const double beside_log_odds = 1.72 * e.beside * log_few - 30 * std::max(e.beside - most_beside, 0.0);
+  // Neighbouring depths that err together look like shape and like edges; where each errs for itself, more is known.
+  constexpr double least_local = 0.05, most_not_measured = 0.3, most_noise = 0.15, some_narrower = 0.003,
+                   most_larger = 3;
+  const double log_local = std::log(std::clamp(e.local_noise, least_local, 1.0));
+  const double log_noise = std::log(std::max(e.noise, least_noise));
+  const double log_relief = std::log(std::max(e.relief, least_relief));
+  const double log_larger = std::log(std::clamp(e.size_ratio, 1.0, most_larger));
+  const double logit = -2.72 - 1.29 * log_disagreement - 1.65 * e.deviation - 1.06 * std::log(roughness) -
+                       9.03 * std::sqrt(e.unexplained) + 31.81 * std::min(e.free_space, 0.1) * log_disagreement -
+                       44.88 * e.not_measured - 0.53 * log_noise - 0.87 * log_relief - 3.87 * e.edges * log_local +
+                       1.70 * e.edges * log_few + 2.18 * log_larger * log_relief + 8.02 * e.fine_shape +
+                       0.97 * e.fine_gain * log_noise - 0.57 * std::log(e.narrower + some_narrower) +
+                       15.35 * std::min(e.not_measured, most_not_measured) * log_relief +
+                       85.65 * std::min(e.noise, most_noise) * log_local + beside_log_odds + height_log_odds(e);
   return 1 / (1 + std::exp(-logit));
 }
 

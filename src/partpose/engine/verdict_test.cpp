@@ -49,9 +49,32 @@ TEST(Verdict, FallsWithWhatIsNotExplained) {
     return (1 - probability(c)) / (1 - probability(good_comparison()));
   };
   EXPECT_GT(doubts([](auto& c) { c.nothing = 200; }), 2);
-  EXPECT_GT(doubts([](auto& c) { c.model_outline = 200; }), 2);
+  EXPECT_GT(doubts([](auto& c) { c.model_outline = c.narrower = 200; }), 2);
   EXPECT_GT(doubts([](auto& c) { c.near_deviations = 4 * c.near; }), 2);
   EXPECT_GT(doubts([](auto& c) { c.local_deviations = 9 * c.near; }), 2);  // steps and holes that the part has not
+}
+
+TEST(Verdict, EdgesAndFineShapeThatBothHaveSpeakForAPart) {
+  PartInFrame part = at_rest();
+  part.local_noise_mm = 0.4;  // of a camera that matches windows
+  const auto odds = [&](const DepthComparison& c) {
+    const double p = probability(c, part);
+    return p / (1 - p);
+  };
+  DepthComparison plain = good_comparison(), same = plain, other = plain;
+  plain.fine_shape = {.pixels = 1000, .measured = 300, .part = 300, .common = 150};
+  same = other = plain;
+  same.jumps = other.jumps = 200;
+  same.common_jumps = 200;
+  EXPECT_GT(odds(same), 2 * odds(other));
+  same = other = plain;
+  same.fine_shape.common = 300;
+  other.fine_shape.common = 0;
+  EXPECT_GT(odds(same), 2 * odds(plain));
+  EXPECT_LT(odds(other), 0.5 * odds(plain));
+  DepthComparison wider = plain;
+  wider.model_outline = wider.narrower = 100;
+  EXPECT_LT(odds(wider), 0.5 * odds(plain));
 }
 
 TEST(Verdict, AtFirstFallsWithWhatIsNotExplained) {
@@ -64,7 +87,9 @@ TEST(Verdict, AtFirstFallsWithWhatIsNotExplained) {
 TEST(Verdict, AFlatViewSaysLess) {
   PartInFrame flat = at_rest();
   flat.relief_mm = 0.5;
-  EXPECT_GT(1 - probability(good_comparison(), flat), 2 * (1 - probability(good_comparison())));
+  DepthComparison of_shape = good_comparison();
+  of_shape.fine_shape = {.pixels = 1000, .measured = 300, .part = 300, .common = 200};
+  EXPECT_GT(1 - probability(good_comparison(), flat), 2 * (1 - probability(of_shape)));
 }
 
 TEST(Verdict, NothingHangsInTheAirNorSinksNorIsSeenThroughNoise) {

@@ -42,13 +42,18 @@ struct Explanation {
                             ///< beside an outline
   double not_measured = 0;  ///< share of them where nothing was measured
   double beside = 0;        ///< share of them that are not the object's, but next to its outline
+  double narrower = 0;      ///< share of them that are beside where something else was measured
+  double size_ratio = 1;    ///< pixels where the part shows, as far as anything was measured there, over the object's
+  double edges = 0;         ///< of the jumps in depth within the object and within the part: the share that both have
+  double fine_shape = 0;    ///< correlation of both depths' differences from their mean within three pixels
+  double fine_gain = 0;     ///< so much of the part's such differences is measured, 1: all
   double noise = 0;         ///< standard deviation of a depth, over the extent of what is seen
+  double local_noise = 1;   ///< of that: what neighbouring pixels differ by; 1: each errs for itself
   double relief = 0;        ///< of what is seen: from its best plane, in the noise's standard deviations
   double height = 0;        ///< of the part's lowest place above the table, in diameters; below 0 it sinks in; 0 as
                             ///< well where there is no table, or the part stands on something else
   double height_deviations = 0;  ///< the same in the noise's standard deviations
 
-  static constexpr bool all_keys_required = true;
   template <typename Self, typename Visit>
   static void describe(Self& self, Visit&& visit) {
     visit("explained_pixels", self.explained_pixels, "of those looked at");
@@ -62,7 +67,15 @@ struct Explanation {
     visit("not_measured", self.not_measured, "share of the part's visible pixels where nothing was measured");
     visit("beside", self.beside,
           "share of the part's visible pixels that are not the object's, but next to its outline");
+    visit("narrower", self.narrower,
+          "share of the part's visible pixels that are beside where something else was measured");
+    visit("size_ratio", self.size_ratio,
+          "pixels where the part shows, as far as anything was measured there, over the object's");
+    visit("edges", self.edges, "of the jumps in depth within the object and within the part: the share that both have");
+    visit("fine_shape", self.fine_shape, "correlation of both depths' differences from their mean within three pixels");
+    visit("fine_gain", self.fine_gain, "so much of the part's such differences is measured; 1: all");
     visit("noise", self.noise, "standard deviation of a depth, over the extent of what is seen");
+    visit("local_noise", self.local_noise, "of that: what neighbouring pixels differ by; 1: each errs for itself");
     visit("relief", self.relief, "of what is seen from its best plane, in the noise's standard deviations");
     visit("height", self.height, "of the part's lowest place above the table, in diameters; below 0 it sinks in");
     visit("height_deviations", self.height_deviations, "the same in the noise's standard deviations");
