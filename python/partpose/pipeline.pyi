@@ -1058,21 +1058,27 @@ class Explanation:
     """
     How a part at its pose and a frame explain each other: what the engine's score is made of.
 
-    explained_pixels: of those looked at
-    agreement: mean of both directions, 0 to 1
-    deviation: rms of the depths' differences, in the noise's standard deviations
-    roughness: the same from their mean within some pixels, in standard deviations of what neighbouring pixels differ by
-    unexplained: share of the object's pixels
-    free_space: share of the part's visible pixels before what was measured, or beneath the table, not beside an outline
-    not_measured: share of the part's visible pixels where nothing was measured
-    beside: share of the part's visible pixels that are not the object's, but next to its outline
-    noise: standard deviation of a depth, over the extent of what is seen
-    relief: of what is seen from its best plane, in the noise's standard deviations
-    height: of the part's lowest place above the table, in diameters; below 0 it sinks in
-    height_deviations: the same in the noise's standard deviations
+    explained_pixels = 0: of those looked at
+    agreement = 0.0: mean of both directions, 0 to 1
+    deviation = 0.0: rms of the depths' differences, in the noise's standard deviations
+    roughness = 0.0: the same from their mean within some pixels, in standard deviations of what neighbouring pixels differ by
+    unexplained = 0.0: share of the object's pixels
+    free_space = 0.0: share of the part's visible pixels before what was measured, or beneath the table, not beside an outline
+    not_measured = 0.0: share of the part's visible pixels where nothing was measured
+    beside = 0.0: share of the part's visible pixels that are not the object's, but next to its outline
+    narrower = 0.0: share of the part's visible pixels that are beside where something else was measured
+    size_ratio = 1.0: pixels where the part shows, as far as anything was measured there, over the object's
+    edges = 0.0: of the jumps in depth within the object and within the part: the share that both have
+    fine_shape = 0.0: correlation of both depths' differences from their mean within three pixels
+    fine_gain = 0.0: so much of the part's such differences is measured; 1: all
+    noise = 0.0: standard deviation of a depth, over the extent of what is seen
+    local_noise = 1.0: of that: what neighbouring pixels differ by; 1: each errs for itself
+    relief = 0.0: of what is seen from its best plane, in the noise's standard deviations
+    height = 0.0: of the part's lowest place above the table, in diameters; below 0 it sinks in
+    height_deviations = 0.0: the same in the noise's standard deviations
     """
 
-    def __init__(self, values: Mapping[str, Any] | None = None, /, *, explained_pixels: int = ..., agreement: float = ..., deviation: float = ..., roughness: float = ..., unexplained: float = ..., free_space: float = ..., not_measured: float = ..., beside: float = ..., noise: float = ..., relief: float = ..., height: float = ..., height_deviations: float = ...) -> None: ...
+    def __init__(self, values: Mapping[str, Any] | None = None, /, *, explained_pixels: int = 0, agreement: float = 0.0, deviation: float = 0.0, roughness: float = 0.0, unexplained: float = 0.0, free_space: float = 0.0, not_measured: float = 0.0, beside: float = 0.0, narrower: float = 0.0, size_ratio: float = 1.0, edges: float = 0.0, fine_shape: float = 0.0, fine_gain: float = 0.0, noise: float = 0.0, local_noise: float = 1.0, relief: float = 0.0, height: float = 0.0, height_deviations: float = 0.0) -> None: ...
 
     @property
     def explained_pixels(self) -> int:
@@ -1137,11 +1143,61 @@ class Explanation:
     def beside(self, value: float, /) -> None: ...
 
     @property
+    def narrower(self) -> float:
+        """
+        share of the part's visible pixels that are beside where something else was measured
+        """
+
+    @narrower.setter
+    def narrower(self, value: float, /) -> None: ...
+
+    @property
+    def size_ratio(self) -> float:
+        """
+        pixels where the part shows, as far as anything was measured there, over the object's
+        """
+
+    @size_ratio.setter
+    def size_ratio(self, value: float, /) -> None: ...
+
+    @property
+    def edges(self) -> float:
+        """
+        of the jumps in depth within the object and within the part: the share that both have
+        """
+
+    @edges.setter
+    def edges(self, value: float, /) -> None: ...
+
+    @property
+    def fine_shape(self) -> float:
+        """
+        correlation of both depths' differences from their mean within three pixels
+        """
+
+    @fine_shape.setter
+    def fine_shape(self, value: float, /) -> None: ...
+
+    @property
+    def fine_gain(self) -> float:
+        """so much of the part's such differences is measured; 1: all"""
+
+    @fine_gain.setter
+    def fine_gain(self, value: float, /) -> None: ...
+
+    @property
     def noise(self) -> float:
         """standard deviation of a depth, over the extent of what is seen"""
 
     @noise.setter
     def noise(self, value: float, /) -> None: ...
+
+    @property
+    def local_noise(self) -> float:
+        """of that: what neighbouring pixels differ by; 1: each errs for itself"""
+
+    @local_noise.setter
+    def local_noise(self, value: float, /) -> None: ...
 
     @property
     def relief(self) -> float:

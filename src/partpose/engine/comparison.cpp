@@ -84,26 +84,26 @@ DepthImage as_matched(DepthImage rendered, const SensorModel& sensor) {
   return rendered;
 }
 
-/// Sums over boxes of an image, each by four look-ups (Crow 1984).
-class BoxSums {
- public:
-  BoxSums(int width, int height) : row_(width + 1), sum_(static_cast<std::size_t>(row_) * (height + 1), 0.0f) {}
-  /// In order, row by row.
-  void add(int u, int v, float value) {
-    of_row_ = u == 0 ? value : of_row_ + value;
-    float* at = &sum_[static_cast<std::size_t>(v + 1) * row_ + u + 1];
-    *at = at[-row_] + of_row_;
+/// Sums over the pixels of an image within `reach` of each.
+std::vector<float> box_sums(const std::vector<float>& values, int width, int height, int reach) {
+  std::vector<float> columns(width + 2 * reach, 0.0f), out(values.size(), 0.0f);
+  const auto add_row = [&](int v, float sign) {
+    if (v < 0 || v >= height) return;
+    const float* from = &values[static_cast<std::size_t>(v) * width];
+#pragma omp simd
+    for (int u = 0; u < width; ++u) columns[u + reach] += sign * from[u];
+  };
+  for (int v = 0; v < reach; ++v) add_row(v, 1);
+  for (int v = 0; v < height; ++v) {
+    add_row(v + reach, 1);
+    add_row(v - reach - 1, -1);
+    float* to = &out[static_cast<std::size_t>(v) * width];
+    for (int k = 0; k <= 2 * reach; ++k)
+#pragma omp simd
+      for (int u = 0; u < width; ++u) to[u] += columns[u + k];
   }
-  /// Of the pixels [u0, u1) x [v0, v1).
-  float operator()(int u0, int v0, int u1, int v1) const { return at(u1, v1) - at(u0, v1) - at(u1, v0) + at(u0, v0); }
-
- private:
-  float at(int u, int v) const { return sum_[static_cast<std::size_t>(v) * row_ + u]; }
-
-  int row_;
-  float of_row_ = 0;  ///< so far
-  std::vector<float> sum_;
-};
+  return out;
+}
 
 /// Values of an image as they differ from their mean within some pixels. Infinite ones are none.
 class LocalMeans {
@@ -111,37 +111,27 @@ class LocalMeans {
   /// For images that have the same pixels as this one. Nothing is known where fewer than `least_share` of those within
   /// `reach` are any.
   LocalMeans(const std::vector<float>& like, int width, int height, int reach, float least_share)
-      : width_(width), height_(height), reach_(reach), counts_(width, height) {
-    for (int v = 0; v < height; ++v)
-      for (int u = 0; u < width; ++u) counts_.add(u, v, like[index(u, v)] < nowhere_mm ? 1.0f : 0.0f);
-    least_ = least_share * static_cast<float>((2 * reach + 1) * (2 * reach + 1));
+      : width_(width),
+        height_(height),
+        reach_(reach),
+        least_(least_share * static_cast<float>((2 * reach + 1) * (2 * reach + 1))) {
+    std::vector<float> known(like.size());
+    for (std::size_t p = 0; p < like.size(); ++p) known[p] = like[p] < nowhere_mm ? 1.0f : 0.0f;
+    counts_ = box_sums(known, width, height, reach);
   }
   std::vector<float> differences(const std::vector<float>& values) const {
-    BoxSums sums(width_, height_);
-    for (int v = 0; v < height_; ++v)
-      for (int u = 0; u < width_; ++u) {
-        const float value = values[index(u, v)];
-        sums.add(u, v, value < nowhere_mm ? value : 0);
-      }
-    std::vector<float> out(values.size(), nowhere_mm);
-    for (int v = 0; v < height_; ++v)
-      for (int u = 0; u < width_; ++u) {
-        const float value = values[index(u, v)];
-        if (!(value < nowhere_mm)) continue;
-        const int u0 = std::max(u - reach_, 0), u1 = std::min(u + reach_ + 1, width_);
-        const int v0 = std::max(v - reach_, 0), v1 = std::min(v + reach_ + 1, height_);
-        const float count = counts_(u0, v0, u1, v1);
-        if (count >= least_) out[index(u, v)] = value - sums(u0, v0, u1, v1) / count;
-      }
+    std::vector<float> known(values.size());
+    for (std::size_t p = 0; p < values.size(); ++p) known[p] = values[p] < nowhere_mm ? values[p] : 0.0f;
+    std::vector<float> out = box_sums(known, width_, height_, reach_);
+    for (std::size_t p = 0; p < values.size(); ++p)
+      out[p] = counts_[p] >= least_ ? values[p] - out[p] / counts_[p] : nowhere_mm;
     return out;
   }
 
  private:
-  std::size_t index(int u, int v) const { return static_cast<std::size_t>(v) * width_ + u; }
-
   int width_, height_, reach_;
   float least_;
-  BoxSums counts_;
+  std::vector<float> counts_;
 };
 
 /// Sum of the squares of deviations from their mean within `reach`, each at most nine.
@@ -173,11 +163,14 @@ FineShape fine_shape_of(const std::vector<float>& measured, const std::vector<fl
 /// Pixels of the box of this size at (u0, v0) whose depth and that of the right or lower neighbour differ so much.
 std::vector<std::uint8_t> jumps_of(const PaddedDepth& depth, int u0, int v0, int width, int height, float least_mm) {
   std::vector<std::uint8_t> out(static_cast<std::size_t>(width) * height);
-  const auto jump = [&](float a, float b) { return a < nowhere_mm && b < nowhere_mm && std::abs(a - b) > least_mm; };
+  const auto jump = [&](float a, float b) {
+    const float difference_mm = std::abs(a - b);  // to nothing: infinite
+    return static_cast<std::uint8_t>((difference_mm > least_mm) & (difference_mm < nowhere_mm));
+  };
   for (int v = 0; v < height; ++v) {
     const float *row = depth.row(v0 + v) + u0, *below = depth.row(v0 + v + 1) + u0;
     for (int u = 0; u < width; ++u)
-      out[static_cast<std::size_t>(v) * width + u] = jump(row[u], row[u + 1]) || jump(row[u], below[u]);
+      out[static_cast<std::size_t>(v) * width + u] = jump(row[u], row[u + 1]) | jump(row[u], below[u]);
   }
   return out;
 }
