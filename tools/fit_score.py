@@ -88,7 +88,7 @@ def given(e):
     """Of log-odds, what is not fitted, since tuning frames hardly show it."""
     height, deviations = e["height"], e["height_deviations"]
     return (-22.27 * min(max(height, 0), 0.3) - 0.58 * min(max(deviations, 0), 10) - 19.87 * min(max(-height, 0), 0.3)
-            - 30 * max(e["beside"] - 0.25, 0))
+            - 30 * max(e["beside"] - 0.25, 0) - 30 * max(e["unexplained"] - 0.3, 0))
 
 
 def experiments(output, data, made):

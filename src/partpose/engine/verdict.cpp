@@ -79,6 +79,10 @@ double probability_of_part(const Explanation& e) {
   // Cameras move outlines: of few pixels that says more, of many only where it is more than any camera does.
   const double log_few = std::log(std::clamp(e.explained_pixels / many_pixels, least_pixels / many_pixels, 1.0));
   const double beside_log_odds = 1.72 * e.beside * log_few - 30 * std::max(e.beside - most_beside, 0.0);
+  // What explains hardly more than half of an object is not what is seen, whatever the rest looks like.
+  constexpr double most_unexplained = 0.3;
+  const double unexplained_log_odds =
+      -9.03 * std::sqrt(e.unexplained) - 30 * std::max(e.unexplained - most_unexplained, 0.0);
   // Neighbouring depths that err together look like shape and like edges; where each errs for itself, more is known.
   constexpr double least_local = 0.05, most_not_measured = 0.3, most_noise = 0.15, some_narrower = 0.003,
                    most_larger = 3;
@@ -86,8 +90,8 @@ double probability_of_part(const Explanation& e) {
   const double log_noise = std::log(std::max(e.noise, least_noise));
   const double log_relief = std::log(std::max(e.relief, least_relief));
   const double log_larger = std::log(std::clamp(e.size_ratio, 1.0, most_larger));
-  const double logit = -2.72 - 1.29 * log_disagreement - 1.65 * e.deviation - 1.06 * std::log(roughness) -
-                       9.03 * std::sqrt(e.unexplained) + 31.81 * std::min(e.free_space, 0.1) * log_disagreement -
+  const double logit = -2.72 - 1.29 * log_disagreement - 1.65 * e.deviation - 1.06 * std::log(roughness) +
+                       unexplained_log_odds + 31.81 * std::min(e.free_space, 0.1) * log_disagreement -
                        44.88 * e.not_measured - 0.53 * log_noise - 0.87 * log_relief - 3.87 * e.edges * log_local +
                        1.70 * e.edges * log_few + 2.18 * log_larger * log_relief + 8.02 * e.fine_shape +
                        0.97 * e.fine_gain * log_noise - 0.57 * std::log(e.narrower + some_narrower) +
