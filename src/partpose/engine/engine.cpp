@@ -50,6 +50,7 @@ struct Target {
   Detection detection;                    ///< of the best candidate
   std::set<int> heard;                    ///< parts whose hypotheses were refined
   bool partly_hidden = false;             ///< by something nearer
+  int fine_pixels = 2500;                 ///< that are looked at when it is polished and decided
   bool polished = false;                  ///< whether the contenders lie as near to the data as they get
   FrameWindow fine;                       ///< about the contenders
   std::vector<ProjectiveRefinement> fit;  ///< of the contenders
@@ -76,6 +77,11 @@ struct Target {
   double explained() const { return best_score * std::sqrt(static_cast<double>(view.object->pixels)); }
   /// Whether a closer look may find better. Of what is partly hidden a wrong pose explains much.
   bool is_weak() const { return best_score < (partly_hidden ? weak_when_hidden : weak); }
+  /// Whether more pixels may tell another part or pose from the best one, or that it is none.
+  bool is_in_doubt() const {
+    constexpr double surely_none = 0.02, sure = 0.9;
+    return detection.score > surely_none && detection.confidence < sure;
+  }
   static constexpr double weak = 0.65, weak_when_hidden = 0.8;
   static constexpr double strong = 0.85;  ///< with such a score its pieces are nothing else
   DepthNoise noise() const { return {std::min(local_noise_mm, noise_mm), noise_mm}; }
@@ -145,9 +151,9 @@ FrameWindow window_about(const ObjectView& view, Eigen::AlignedBox2d pixels, int
                 pixel(pixels.max().y() + 2 * stride, camera.height), stride);
 }
 
-constexpr double hopeless = 0.02;      ///< such a score of the coarse comparison becomes no good one
-constexpr std::size_t few_parts = 32;  ///< so many can be looked at closely
-constexpr int coarse_pixels = 800, fine_pixels = 2500;
+constexpr double hopeless = 0.02;                         ///< such a score of the coarse comparison becomes no good one
+constexpr std::size_t few_parts = 32;                     ///< so many can be looked at closely
+constexpr int coarse_pixels = 800, most_pixels = 10'000;  ///< at first, and of what is in doubt
 constexpr std::size_t most_contenders = 6;
 
 /// So much less likely than the best, by the coarse comparison, a closer look may still put first.
@@ -564,6 +570,11 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     // Not of fits that are far beyond what is to be expected.
     target.noise_mm = std::clamp(noise_per_mm2 * z_mm * z_mm, 0.65 * target.view.noise_mm, 1.3 * target.view.noise_mm);
     time("decision", [&] { impl_->decide(target); });
+    if (target.is_in_doubt() && stride_for(target.view, target.fine_pixels) > stride_for(target.view, most_pixels)) {
+      target.fine_pixels = most_pixels;
+      time("polish", [&] { impl_->polish(target); });
+      time("decision", [&] { impl_->decide(target); });
+    }
     time("polish", [&] { impl_->finish(target); });
   }
   std::stable_sort(targets.begin(), targets.end(), by_evidence);
@@ -774,6 +785,9 @@ void Engine::Impl::verify(Target& target, std::vector<Hypothesis> hypotheses, bo
   parallel_for(more.size(), [&](std::size_t i) { settle(more[i]); });
   drop_sunk(more, model_of, target.view, touching_share);
   drop_worse(more);
+  // Most come back to a pose that is among them already.
+  std::stable_sort(more.begin(), more.end(), [](const auto& a, const auto& b) { return a.left_mm < b.left_mm; });
+  more = distinct(std::move(more), model_of);
   compare(more);
   hypotheses.insert(hypotheses.end(), more.begin(), more.end());
   sort_by_cost(hypotheses);
@@ -813,8 +827,8 @@ void Engine::Impl::polish(Target& target) const {
   Eigen::AlignedBox2d pixels;
   for (std::size_t i = 0; i < contenders; ++i)
     pixels.extend(models[part_of(candidates[i])]->covered(target.view.frame->camera, candidates[i].camera_from_model));
-  target.fine = window_about(target.view, pixels, fine_pixels);
-  const int stride = stride_for(target.view, fine_pixels);
+  target.fine = window_about(target.view, pixels, target.fine_pixels);
+  const int stride = stride_for(target.view, target.fine_pixels);
   const DepthImage depth = object_depth(target.fine);
   parallel_for(contenders,
                [&](std::size_t i) { target.fit[i] = move_onto(depth, target, target.fine, stride, 3, candidates[i]); });
@@ -839,7 +853,8 @@ ProjectiveRefinement Engine::Impl::move_onto(const DepthImage& depth, const Targ
 void Engine::Impl::finish(Target& target) const {
   constexpr double most_shared = 1.5;  // of what a pixel errs for itself
   const int all = target.view.object->pixels;
-  if (stride_for(target.view, fine_pixels) == 1 || target.view.noise_mm > most_shared * target.local_noise_mm) return;
+  if (stride_for(target.view, target.fine_pixels) == 1 || target.view.noise_mm > most_shared * target.local_noise_mm)
+    return;
   Candidate& best = target.candidates[0];
   const Eigen::AlignedBox2d pixels = models[part_of(best)]->covered(target.view.frame->camera, best.camera_from_model);
   const FrameWindow window = window_about(target.view, pixels, all);
@@ -854,7 +869,7 @@ void Engine::Impl::decide(Target& target) const {
   const std::size_t contenders = contenders_of(target);
   std::vector<DepthComparison> comparison(contenders);
   std::vector<Explanation> explanation(contenders);
-  const int stride = stride_for(target.view, fine_pixels);
+  const int stride = stride_for(target.view, target.fine_pixels);
   constexpr double waves_px = 8;
   SensorModel with_waves = sensor(target, stride);
   with_waves.waves_px = waves_px / stride;
@@ -904,7 +919,7 @@ Matrix6d Engine::Impl::covariance_of(const Target& target, const ProjectiveRefin
 /// The best candidate as a detection, with the others that may be right. `order`: the contenders by rising negative
 /// log-odds.
 void Engine::Impl::describe(Target& target, const std::vector<std::pair<double, std::size_t>>& order) const {
-  const int stride = stride_for(target.view, fine_pixels);
+  const int stride = stride_for(target.view, target.fine_pixels);
   std::vector<double> log_odds;
   for (const auto& [negative, i] : order) log_odds.push_back(-negative);
   const std::vector<double> share = shares(log_odds);

@@ -423,12 +423,8 @@ void move_each(std::vector<Hypothesis>& hypotheses, const std::function<void(Hyp
 std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const PartModel* const> models) {
   std::vector<Hypothesis> kept;
   for (const auto& h : sorted) {
-    const PartModel& model = *models[h.part];
     const bool seen = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& k) {
-      return k.part == h.part &&
-             (k.camera_from_model * model.middle_mm - h.camera_from_model * model.middle_mm).norm() <
-                 0.05 * model.diameter_mm &&
-             rotation_error_deg(k.camera_from_model, h.camera_from_model) < 8;
+      return k.part == h.part && models[h.part]->is_about_the_same(k.camera_from_model, h.camera_from_model);
     });
     if (!seen) kept.push_back(h);
   }

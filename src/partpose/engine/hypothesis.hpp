@@ -96,7 +96,8 @@ void refine(std::vector<Hypothesis>& hypotheses, std::span<const PartModel* cons
 /// by the cost that it gives.
 void move_each(std::vector<Hypothesis>& hypotheses, const std::function<void(Hypothesis&)>& move);
 
-/// Without those that are the same part at about the same pose as a better one. Best first, as given.
+/// Without those that are the same part at about the same pose as a better one, up to its symmetries. Best first, as
+/// given.
 std::vector<Hypothesis> distinct(std::vector<Hypothesis> sorted, std::span<const PartModel* const> models);
 
 /// Turns of the part about the axes that are round but for a detail (`PartModel::nearly_round`) at which the object's

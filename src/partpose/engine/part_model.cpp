@@ -105,8 +105,21 @@ std::vector<Eigen::Vector3f> surface_points(const TriangleMesh& mesh, int count)
   return points;
 }
 
-/// Finds `partners` and `nearly_round`: turns about the box's axes and the surface's principal axes after which the
-/// surface lies near itself.
+/// With what they give one after the other, each once.
+void close_under_composition(std::vector<Eigen::Isometry3d>& turns) {
+  constexpr std::size_t most = 60;  // of an icosahedron
+  constexpr double same_deg = 12;
+  for (std::size_t i = 0; i < turns.size(); ++i)
+    for (std::size_t k = 0; k <= i && turns.size() < most; ++k)
+      for (const Eigen::Isometry3d& both : {turns[i] * turns[k], turns[k] * turns[i]})
+        if (rotation_error_deg(both, Eigen::Isometry3d::Identity()) > same_deg &&
+            std::none_of(turns.begin(), turns.end(),
+                         [&](const Eigen::Isometry3d& turn) { return rotation_error_deg(turn, both) < same_deg; }))
+          turns.push_back(both);
+}
+
+/// Finds `partners`, `nearly_round`, `symmetries` and `round`: turns about the box's axes and the surface's principal
+/// axes after which the surface lies near itself, or is where it was.
 void find_partners(PartModel& model) {
   const ProbePoints probes(model.samples_mm);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -136,14 +149,14 @@ void find_partners(PartModel& model) {
   const auto is_same = [&](const Eigen::Isometry3d& turn) {
     return model.is_symmetry(turn, 0.005 * model.diameter_mm);
   };
-  std::vector<Partner> found;
+  std::vector<Partner> found, same;
   const auto add = [&](const Partner& partner) {
-    const bool known = std::any_of(found.begin(), found.end(), [&](const Partner& other) {
+    if (!is_near(partner) || rotation_error_deg(partner.turn, Eigen::Isometry3d::Identity()) < 12) return;
+    std::vector<Partner>& kind = is_same(partner.turn) ? same : found;
+    const bool known = std::any_of(kind.begin(), kind.end(), [&](const Partner& other) {
       return rotation_error_deg(other.turn, partner.turn) < 12;
     });
-    if (!known && is_near(partner) && rotation_error_deg(partner.turn, Eigen::Isometry3d::Identity()) > 12 &&
-        !is_same(partner.turn))
-      found.push_back(partner);
+    if (!known) kind.push_back(partner);
   };
   for (const auto& axis : axes) {
     const std::array<double, 7> angles_deg = {180, 90, 270, 120, 240, 60, 300};
@@ -155,20 +168,34 @@ void find_partners(PartModel& model) {
     bool round = true;
     for (const double angle_deg : {between_deg, 90.0, 120.0, 180.0})
       round = round && is_same(axis.turn(radians(angle_deg)));
-    const bool known =
-        std::any_of(model.nearly_round.begin(), model.nearly_round.end(),
-                    [&](const PartModel::Axis& other) { return std::abs(other.direction.dot(axis.direction)) > 0.99; });
-    if (round || known) continue;
+    const auto is_known = [&](const std::vector<PartModel::Axis>& among) {
+      return std::any_of(among.begin(), among.end(), [&](const PartModel::Axis& other) {
+        return std::abs(other.direction.dot(axis.direction)) > 0.99;
+      });
+    };
+    if (round && !is_known(model.round)) model.round.push_back(axis);
+    if (round || is_known(model.nearly_round)) continue;
     // The detail moves the box: halfway to where half a turn lays the surface best onto itself lies the axis.
     const auto half_turn = refine_on_field(model.field, axis.turn(std::numbers::pi), probes,
                                            {.start_scale_mm = 5 * scale_mm, .end_scale_mm = 0.25 * scale_mm});
     const Eigen::Vector3d on_axis_mm = 0.5 * (axis.place_mm + half_turn.camera_from_model * axis.place_mm);
     model.nearly_round.push_back({axis.direction, on_axis_mm});
   }
+  for (const auto& [cost, turn] : same) {
+    const bool about_round = std::any_of(model.round.begin(), model.round.end(), [&](const PartModel::Axis& axis) {
+      return (turn.linear() * axis.direction).dot(axis.direction) > 0.99;
+    });
+    if (!about_round) model.symmetries.push_back(turn);
+  }
+  close_under_composition(model.symmetries);
   std::stable_sort(found.begin(), found.end(), [](const Partner& a, const Partner& b) { return a.cost < b.cost; });
   constexpr std::size_t most = 24;
-  if (found.size() > most) found.resize(most);
-  for (const auto& partner : found) model.partners.push_back(partner.turn);
+  for (const auto& [cost, turn] : found) {
+    const bool known = std::any_of(model.partners.begin(), model.partners.end(), [&](const Eigen::Isometry3d& other) {
+      return model.is_about_the_same(other, turn);
+    });
+    if (!known && model.partners.size() < most) model.partners.push_back(turn);
+  }
 }
 
 std::vector<PartModel::Rest> find_rests(const TriangleMesh& mesh) {
@@ -261,6 +288,21 @@ bool PartModel::is_symmetry(const Eigen::Isometry3d& model_from_model, double to
   });
 }
 
+bool PartModel::is_about_the_same(const Eigen::Isometry3d& camera_from_model, const Eigen::Isometry3d& other) const {
+  constexpr double most_moved = 0.05, most_turned_deg = 8;
+  const double least_cosine = std::cos(radians(most_turned_deg));
+  if ((camera_from_model * middle_mm - other * middle_mm).norm() > most_moved * diameter_mm) return false;
+  const Eigen::Matrix3d turned = camera_from_model.linear().transpose() * other.linear();
+  const auto is_about = [&](const Eigen::Matrix3d& turn) {
+    return turn.trace() > 1 + 2 * least_cosine || std::any_of(round.begin(), round.end(), [&](const Axis& axis) {
+             return axis.direction.dot(turn * axis.direction) > least_cosine;
+           });
+  };
+  return is_about(turned) || std::any_of(symmetries.begin(), symmetries.end(), [&](const Eigen::Isometry3d& symmetry) {
+           return is_about(turned * symmetry.linear());
+         });
+}
+
 int PartModel::view_from(const Eigen::Vector3d& sight) const {
   const Eigen::Vector3f direction = sight.cast<float>();
   const auto cosine = [&](const PartView& view) { return view.sight_from_model.linear().row(2).dot(direction); };
@@ -286,7 +328,8 @@ std::size_t PartModel::memory_bytes() const {
          templates.size() * sizeof(DepthTemplate) + small_templates.size() * (sizeof(SmallTemplate) + sizeof(CellSet)) +
          anchored.anchors.size() * (sizeof(AnchoredViews::Anchor) + sizeof(SmallTemplate)) + field.memory_bytes() +
          samples_mm.size() * sizeof(samples_mm[0]) + partners.size() * sizeof(partners[0]) +
-         nearly_round.size() * sizeof(Axis) + rests.size() * sizeof(Rest);
+         (nearly_round.size() + round.size()) * sizeof(Axis) + symmetries.size() * sizeof(symmetries[0]) +
+         rests.size() * sizeof(Rest);
 }
 
 }  // namespace partpose

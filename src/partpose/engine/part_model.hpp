@@ -56,6 +56,11 @@ struct PartModel {
     Eigen::Isometry3d turn(double angle_rad) const;  ///< model_from_model
   };
   std::vector<Axis> nearly_round;
+  /// Turns (model_from_model) that put the part back onto itself, the identity left out, and axes about which it is
+  /// round: those about its box's and principal axes by multiples of 60 and 90 degrees, which cost nothing beside the
+  /// partners. `find_symmetries` finds all, in several times the time that the rest of a model takes.
+  std::vector<Eigen::Isometry3d> symmetries;
+  std::vector<Axis> round;
   /// How it stays on a table by itself, up to a turn about the vertical: model frame, most probable first.
   struct Rest {
     Eigen::Vector3d down;     ///< unit direction to the table
@@ -67,6 +72,10 @@ struct PartModel {
 
   /// Whether the part, moved so, is where it was, to within `tolerance_mm` everywhere.
   bool is_symmetry(const Eigen::Isometry3d& model_from_model, double tolerance_mm) const;
+
+  /// Whether the part is at about the same place and turned about the same at both poses, up to its symmetries: by a
+  /// twentieth of its diameter and 8 degrees.
+  bool is_about_the_same(const Eigen::Isometry3d& camera_from_model, const Eigen::Isometry3d& other) const;
 
   /// The view whose line of sight is nearest to a direction, camera to part, model frame.
   int view_from(const Eigen::Vector3d& sight) const;

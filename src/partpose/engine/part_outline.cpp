@@ -118,10 +118,14 @@ std::vector<std::size_t> explained_pixels(const PartModel& model, const Eigen::I
     for (int u = 0; u < rendered.width; ++u) {
       if (window.frame.label[static_cast<std::size_t>(v) * rendered.width + u] != PixelLabel::object) continue;
       const float z = window.frame.depth.at(u, v);
-      bool explained = false;
-      for (int vv = std::max(v - outline_px, 0); vv <= std::min(v + outline_px, rendered.height - 1); ++vv)
+      const auto agrees = [&](int uu, int vv) {
+        return rendered.at(uu, vv) > 0 && std::abs(rendered.at(uu, vv) - z) < limit_mm;
+      };
+      bool explained = agrees(u, v);
+      for (int vv = std::max(v - outline_px, 0); !explained && vv <= std::min(v + outline_px, rendered.height - 1);
+           ++vv)
         for (int uu = std::max(u - outline_px, 0); uu <= std::min(u + outline_px, rendered.width - 1); ++uu)
-          explained |= rendered.at(uu, vv) > 0 && std::abs(rendered.at(uu, vv) - z) < limit_mm;
+          explained |= agrees(uu, vv);
       if (explained) out.push_back(static_cast<std::size_t>(window.v0 + v) * frame.depth->width + window.u0 + u);
     }
   return out;
