@@ -77,10 +77,10 @@ struct Target {
   double explained() const { return best_score * std::sqrt(static_cast<double>(view.object->pixels)); }
   /// Whether a closer look may find better. Of what is partly hidden a wrong pose explains much.
   bool is_weak() const { return best_score < (partly_hidden ? weak_when_hidden : weak); }
-  /// Whether more pixels may tell another part or pose from the best one, or that it is none.
-  bool is_in_doubt() const {
-    constexpr double surely_none = 0.02, sure = 0.9;
-    return detection.score > surely_none && detection.confidence < sure;
+  /// Whether another part or pose is so likely that more pixels may tell.
+  bool has_rivals() const {
+    constexpr double clear = 0.9;
+    return detection.confidence < clear * detection.score;
   }
   static constexpr double weak = 0.65, weak_when_hidden = 0.8;
   static constexpr double strong = 0.85;  ///< with such a score its pieces are nothing else
@@ -153,7 +153,7 @@ FrameWindow window_about(const ObjectView& view, Eigen::AlignedBox2d pixels, int
 
 constexpr double hopeless = 0.02;                         ///< such a score of the coarse comparison becomes no good one
 constexpr std::size_t few_parts = 32;                     ///< so many can be looked at closely
-constexpr int coarse_pixels = 800, most_pixels = 10'000;  ///< at first, and of what is in doubt
+constexpr int coarse_pixels = 800, most_pixels = 10'000;  ///< at first, and where there are rivals
 constexpr std::size_t most_contenders = 6;
 
 /// So much less likely than the best, by the coarse comparison, a closer look may still put first.
@@ -570,7 +570,7 @@ Recognition Engine::recognize(const DepthImage& depth, const Intrinsics& camera)
     // Not of fits that are far beyond what is to be expected.
     target.noise_mm = std::clamp(noise_per_mm2 * z_mm * z_mm, 0.65 * target.view.noise_mm, 1.3 * target.view.noise_mm);
     time("decision", [&] { impl_->decide(target); });
-    if (target.is_in_doubt() && stride_for(target.view, target.fine_pixels) > stride_for(target.view, most_pixels)) {
+    if (target.has_rivals() && stride_for(target.view, target.fine_pixels) > stride_for(target.view, most_pixels)) {
       target.fine_pixels = most_pixels;
       time("polish", [&] { impl_->polish(target); });
       time("decision", [&] { impl_->decide(target); });
